@@ -1,0 +1,24 @@
+# Every package the project stands on, found in one place. All come from Debian 12.
+list(APPEND CMAKE_MODULE_PATH "/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB")
+set(CMAKE_THREAD_PREFER_PTHREAD TRUE)
+find_package(Threads REQUIRED)
+find_package(TBB REQUIRED)
+find_package(OpenVDB REQUIRED)
+find_package(OpenMesh REQUIRED)
+find_package(fmt REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_path(GLM_INCLUDE_DIR glm/glm.hpp REQUIRED)
+
+# Debian's OpenImageIOConfig.cmake names tools and OpenCV headers of packages that the library does
+# not need, and fails without them: take the library and its headers directly.
+find_path(OpenImageIO_INCLUDE_DIR OpenImageIO/imageio.h REQUIRED)
+find_library(OpenImageIO_LIBRARY OpenImageIO REQUIRED)
+find_library(OpenImageIO_Util_LIBRARY OpenImageIO_Util REQUIRED)
+find_path(Imath_INCLUDE_DIR ImathVec.h PATH_SUFFIXES Imath REQUIRED)
+if(NOT TARGET sdfgrid::OpenImageIO)
+  add_library(sdfgrid::OpenImageIO INTERFACE IMPORTED)
+  set_target_properties(sdfgrid::OpenImageIO PROPERTIES
+    INTERFACE_INCLUDE_DIRECTORIES "${OpenImageIO_INCLUDE_DIR};${Imath_INCLUDE_DIR}"
+    INTERFACE_LINK_LIBRARIES "${OpenImageIO_LIBRARY};${OpenImageIO_Util_LIBRARY}")
+endif()

@@ -1,0 +1,51 @@
+#include "sdfgrid/core/atomic_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "sdfgrid/core/error.h"
+
+namespace sdfgrid {
+namespace {
+
+// Forces the file's bytes to disk, and reports a disk that was full only when they got there.
+void flush_to_disk(const std::string& path, const std::string& shown) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool ok = file >= 0 && ::fsync(file) == 0;
+  const int reason = errno;
+  if (file >= 0) ::close(file);
+  if (!ok) {
+    throw Error(ErrorKind::failed, shown + ": cannot be written (" + std::strerror(reason) + ")");
+  }
+}
+
+}  // namespace
+
+void write_atomically(const std::string& path,
+                      const std::function<void(const std::string& temporary)>& write) {
+  namespace fs = std::filesystem;
+  const fs::path target(path);
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder)) {
+    throw Error(ErrorKind::failed, folder.string() + ": no such folder; create it first");
+  }
+  const fs::path temporary = folder / ("." + target.stem().string() + ".partial-" +
+                                       std::to_string(::getpid()) + target.extension().string());
+  std::error_code ignored;
+  try {
+    write(temporary.string());
+    flush_to_disk(temporary.string(), path);
+    std::error_code failed;
+    fs::rename(temporary, target, failed);
+    if (failed) throw Error(ErrorKind::failed, path + ": " + failed.message());
+  } catch (...) {
+    fs::remove(temporary, ignored);
+    throw;
+  }
+}
+
+}  // namespace sdfgrid

@@ -1,0 +1,37 @@
+#include "sdfgrid/core/parallel.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <thread>
+
+namespace sdfgrid {
+
+void parallel_for(std::size_t size, std::size_t grain, const Job& job,
+                  const std::function<void(std::size_t begin, std::size_t end)>& body) {
+  job.checkpoint();
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, size, std::max<std::size_t>(grain, 1)),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        job.checkpoint();
+        body(range.begin(), range.end());
+      },
+      tbb::simple_partitioner());
+}
+
+ThreadLimit::ThreadLimit(int threads) {
+  const auto wanted = threads > 0 ? static_cast<std::size_t>(threads)
+                                  : std::max(1U, std::thread::hardware_concurrency());
+  control_ = new tbb::global_control(tbb::global_control::max_allowed_parallelism, wanted);
+}
+
+ThreadLimit::~ThreadLimit() { delete static_cast<tbb::global_control*>(control_); }
+
+int thread_count() {
+  return static_cast<int>(
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
+}  // namespace sdfgrid

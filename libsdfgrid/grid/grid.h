@@ -1,0 +1,59 @@
+// grid/grid.h: the sparse distance grid. An OpenVDB float level set at heart (grid/vdb.h hands it
+// out), with what it was made from and the error that it states of itself.
+#pragma once
+
+#include <cstddef>
+#include <glm/vec3.hpp>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "sdfgrid/core/lattice.h"
+
+namespace sdfgrid {
+
+struct GridStorage;  // holds the OpenVDB grid; defined in grid/vdb.h
+
+// A handle: copies share the same grid, clone() does not.
+class Grid {
+ public:
+  Grid();  // empty, voxel size 1, background 3
+  explicit Grid(std::shared_ptr<GridStorage> storage) : storage_(std::move(storage)) {}
+
+  [[nodiscard]] Lattice lattice() const;
+  // Distance stored beyond the band, world units, > 0. Inside it may differ (--inwidth).
+  [[nodiscard]] float background() const;
+  [[nodiscard]] bool is_level_set() const;  // signed, negative inside; else distances without sign
+  [[nodiscard]] std::size_t active_voxels() const;
+  [[nodiscard]] std::size_t bricks() const;  // 8^3 leaves
+  [[nodiscard]] std::size_t bytes() const;   // memory of tree and voxels
+  // Index box of the active voxels, inclusive; lo > hi if there are none.
+  void active_bounds(glm::ivec3& lo, glm::ivec3& hi) const;
+  // World box of the active voxels; empty if there are none.
+  [[nodiscard]] Box bounds() const;
+  // Value at an index point, world units, negative inside.
+  [[nodiscard]] float value(const glm::ivec3& index) const;
+
+  [[nodiscard]] std::string name() const;
+  // Metadata as text, by full name ("sdfgrid:method"); empty if absent.
+  [[nodiscard]] std::string metadata(const std::string& key) const;
+  [[nodiscard]] std::map<std::string, std::string> all_metadata() const;
+  void set_metadata(const std::string& key, const std::string& value);
+  void set_metadata(const std::string& key, double value);
+
+  [[nodiscard]] Grid clone() const;
+  [[nodiscard]] GridStorage& storage() const { return *storage_; }
+
+ private:
+  std::shared_ptr<GridStorage> storage_;
+};
+
+// Reads the level set of a .vdb file: the grid called `surface`, else the first float level set, else
+// the first float grid. Throws Error{input} if there is none or its transform is not uniform.
+[[nodiscard]] Grid read_grid(const std::string& path);
+
+// Writes `grid` to `path` (blosc-compressed .vdb), which appears whole or not at all: it is written
+// beside its place and renamed. Throws Error{failed}.
+void write_grid(const Grid& grid, const std::string& path);
+
+}  // namespace sdfgrid
