@@ -1,0 +1,154 @@
+#include "sdfgrid/image/image.h"
+
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+
+#include "sdfgrid/core/atomic_file.h"
+#include "sdfgrid/core/error.h"
+#include "sdfgrid/core/parallel.h"
+
+namespace sdfgrid {
+namespace {
+
+std::string extension(const std::string& path) {
+  std::string text = std::filesystem::path(path).extension().string();
+  for (char& c : text) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return text;
+}
+
+bool is_alpha(const std::string& channel) { return channel == "A"; }
+
+// Threshold in (0, 1) of an 8 x 8 ordered dither: the bits of x ^ y and y, interleaved in reverse.
+float dither(int x, int y) {
+  unsigned rank = 0;
+  for (unsigned bit = 0; bit < 3; ++bit) {
+    const unsigned a = (static_cast<unsigned>(x ^ y) >> bit) & 1U;
+    const unsigned b = (static_cast<unsigned>(y) >> bit) & 1U;
+    rank |= (a << 1U | b) << (2 * (2 - bit));
+  }
+  return (static_cast<float>(rank) + 0.5F) / 64.0F;
+}
+
+void encode_row(const Image& image, int y, std::uint8_t* out) {
+  const std::size_t channels = image.channels.size();
+  for (int x = 0; x < image.width; ++x) {
+    for (std::size_t c = 0; c < channels; ++c) {
+      const bool alpha = is_alpha(image.channels[c]);
+      const float value = image.at(x, y, static_cast<int>(c));
+      const float clipped = value > 0 ? std::min(value, 1.0F) : 0.0F;  // NaN is black
+      const float code = 255.0F * (alpha ? clipped : srgb_from_linear(clipped));
+      *out++ = static_cast<std::uint8_t>(std::min(code + (alpha ? 0.5F : dither(x, y)), 255.0F));
+    }
+  }
+}
+
+std::vector<std::uint8_t> encode_8bit(const Image& image) {
+  std::vector<std::uint8_t> bytes(image.pixels.size());
+  const std::size_t row = image.width * image.channels.size();
+  parallel_for(image.height, 16, Job(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y) {
+      encode_row(image, static_cast<int>(y), bytes.data() + y * row);
+    }
+  });
+  return bytes;
+}
+
+void check_png_channels(const std::string& path, const std::vector<std::string>& channels) {
+  const std::vector<std::string> rgba = {"R", "G", "B", "A"};
+  const bool fits = (channels.size() == 3 || channels.size() == 4) &&
+                    std::equal(channels.begin(), channels.end(), rgba.begin());
+  if (!fits) {
+    throw Error(ErrorKind::usage,
+                path + ": a .png holds the channels R, G, B and A only; write an .exr");
+  }
+}
+
+void save(const std::string& temporary, const std::string& shown, const OIIO::ImageSpec& spec,
+          OIIO::TypeDesc type, const void* data) {
+  const auto fail = [&](const std::string& reason) {
+    throw Error(ErrorKind::failed, shown + ": cannot be written (" + reason + ")");
+  };
+  OIIO::attribute("threads", 1);  // threads are core/parallel's alone
+  OIIO::attribute("exr_threads", -1);
+  const auto output = OIIO::ImageOutput::create(temporary);
+  if (!output) fail(OIIO::geterror());
+  if (!output->open(temporary, spec)) fail(output->geterror());
+  if (!output->write_image(type, data)) fail(output->geterror());
+  if (!output->close()) fail(output->geterror());
+}
+
+}  // namespace
+
+const std::vector<std::string>& image_extensions() {
+  static const std::vector<std::string> all = {".png", ".exr"};
+  return all;
+}
+
+bool holds_any_channel(const std::string& path) { return extension(path) == ".exr"; }
+
+void write_image(const std::string& path, const Image& image) {
+  const std::string kind = extension(path);
+  if (std::ranges::find(image_extensions(), kind) == image_extensions().end()) {
+    throw Error(ErrorKind::usage,
+                path + ": pictures are written as .png or .exr; choose one of these extensions");
+  }
+  const std::size_t expected =
+      static_cast<std::size_t>(std::max(image.width, 0)) * std::max(image.height, 0);
+  if (expected == 0 || image.pixels.size() != expected * image.channels.size()) {
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: {} values do not make a picture of {} x {} with {} channels", path,
+                            image.pixels.size(), image.width, image.height, image.channels.size()));
+  }
+  const bool png = kind == ".png";
+  if (png) check_png_channels(path, image.channels);
+
+  OIIO::ImageSpec spec(image.width, image.height, static_cast<int>(image.channels.size()),
+                       png ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT);
+  spec.channelnames = image.channels;
+  spec.attribute("oiio:ColorSpace", png ? "sRGB" : "Linear");
+  if (!png) spec.attribute("compression", "zip");
+  write_atomically(path, [&](const std::string& temporary) {
+    if (png) {
+      save(temporary, path, spec, OIIO::TypeDesc::UINT8, encode_8bit(image).data());
+    } else {
+      save(temporary, path, spec, OIIO::TypeDesc::FLOAT, image.pixels.data());
+    }
+  });
+}
+
+Image read_image(const std::string& path) {
+  const auto input = OIIO::ImageInput::open(path);
+  if (!input) {
+    throw input_error(path, "", OIIO::geterror(), "check the path and that the copy is complete");
+  }
+  const OIIO::ImageSpec spec = input->spec();
+  Image image{spec.width, spec.height, spec.channelnames, {}};
+  image.pixels.resize(static_cast<std::size_t>(spec.width) * spec.height * spec.nchannels);
+  if (!input->read_image(0, 0, 0, -1, OIIO::TypeDesc::FLOAT, image.pixels.data())) {
+    throw input_error(path, "", input->geterror(), "check that the copy is complete");
+  }
+  if (spec.get_string_attribute("oiio:ColorSpace") == "sRGB") {
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+      if (is_alpha(image.channels[i % image.channels.size()])) continue;
+      image.pixels[i] = linear_from_srgb(image.pixels[i]);
+    }
+  }
+  return image;
+}
+
+float srgb_from_linear(float linear) {
+  return linear <= 0.0031308F ? 12.92F * linear : 1.055F * std::pow(linear, 1 / 2.4F) - 0.055F;
+}
+
+float linear_from_srgb(float code) {
+  return code <= 0.04045F ? code / 12.92F : std::pow((code + 0.055F) / 1.055F, 2.4F);
+}
+
+}  // namespace sdfgrid
