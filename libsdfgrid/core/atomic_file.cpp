@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <mutex>
+#include <set>
 
 #include "sdfgrid/core/error.h"
 
@@ -23,7 +25,42 @@ void flush_to_disk(const std::string& path, const std::string& shown) {
   }
 }
 
+// The temporaries that exist now or are about to.
+struct Registry {
+  std::mutex mutex;
+  std::set<std::filesystem::path> files;
+};
+
+Registry& registry() {
+  static Registry instance;
+  return instance;
+}
+
+// Holds a name in the registry while it lives.
+class Registered {
+ public:
+  explicit Registered(const std::filesystem::path& file) : file_(file) {
+    const std::lock_guard lock(registry().mutex);
+    registry().files.insert(file);
+  }
+  ~Registered() {
+    const std::lock_guard lock(registry().mutex);
+    registry().files.erase(file_);
+  }
+  Registered(const Registered&) = delete;
+  Registered& operator=(const Registered&) = delete;
+
+ private:
+  std::filesystem::path file_;
+};
+
 }  // namespace
+
+void remove_temporaries() noexcept {
+  const std::lock_guard lock(registry().mutex);
+  std::error_code ignored;
+  for (const auto& file : registry().files) std::filesystem::remove(file, ignored);
+}
 
 void write_atomically(const std::string& path,
                       const std::function<void(const std::string& temporary)>& write) {
@@ -35,6 +72,7 @@ void write_atomically(const std::string& path,
   }
   const fs::path temporary = folder / ("." + target.stem().string() + ".partial-" +
                                        std::to_string(::getpid()) + target.extension().string());
+  const Registered registered(temporary);
   std::error_code ignored;
   try {
     write(temporary.string());

@@ -1,0 +1,75 @@
+#include "options.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include "sdfgrid/core/error.h"
+#include "words.h"
+
+namespace sdfgrid::cli {
+
+namespace fs = std::filesystem;
+
+void add_output(CLI::App& app, Output& output, std::vector<std::string> extensions) {
+  output.extensions = std::move(extensions);
+  app.add_option("-o,--output", output.path, "file to write: " + one_of(output.extensions))
+      ->required()
+      ->type_name("FILE");
+  app.add_flag("--force", output.force, "write over an existing output file");
+}
+
+void check_output(const Output& output) {
+  const auto refuse = [&](const std::string& problem) {
+    throw Error(ErrorKind::usage, output.path + ": " + problem);
+  };
+  const std::string extension = extension_of(output.path);
+  if (std::find(output.extensions.begin(), output.extensions.end(), extension) ==
+      output.extensions.end()) {
+    refuse("the output must be named " + one_of(output.extensions));
+  }
+  const fs::path target(output.path);
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) {
+    refuse(fmt::format("there is no folder {}; create it first", folder.string()));
+  }
+  if (fs::exists(target, ignored)) {
+    // A rename over /dev/null would replace the device for everybody.
+    if (!fs::is_regular_file(target, ignored)) refuse("exists and is not a plain file");
+    if (!output.force) refuse("exists already; give --force to write over it, or another name");
+  }
+  if (::access(folder.c_str(), W_OK) != 0) {
+    throw Error(ErrorKind::failed,
+                fmt::format("{}: the folder {} cannot be written", output.path, folder.string()));
+  }
+}
+
+std::string extension_of(const std::string& path) {
+  std::string extension = fs::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+std::string one_of(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) text += i + 1 == words.size() ? " or " : ", ";
+    text += words[i];
+  }
+  return text;
+}
+
+void refuse_choice(const std::string& option, const std::string& given,
+                   const std::vector<std::string>& words) {
+  const std::string near = nearest_word(given, words);
+  const std::string hint = near.empty() ? "" : fmt::format(" (did you mean '{}'?)", near);
+  throw CLI::ValidationError(
+      option, fmt::format("'{}' is not known{}; it takes {}", given, hint, one_of(words)));
+}
+
+}  // namespace sdfgrid::cli

@@ -1,0 +1,93 @@
+#include "usage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "command.h"
+#include "words.h"
+
+namespace sdfgrid::cli {
+namespace {
+
+std::vector<std::string> command_names() {
+  std::vector<std::string> names;
+  for (const Command& command : commands()) names.emplace_back(command.name);
+  return names;
+}
+
+// "--size" and "-o" as they are typed.
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+  }
+  return names;
+}
+
+// Whether the word is written as an option; "-0.5" and "-.5" are numbers.
+bool is_option(const std::string& word) {
+  if (word.size() < 2 || word[0] != '-') return false;
+  return word[1] == '-' || std::isalpha(static_cast<unsigned char>(word[1])) != 0;
+}
+
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& known) {
+  const std::string near = nearest_word(word, known);
+  return near.empty() ? "" : fmt::format("; did you mean '{}'?", near);
+}
+
+// The complaint about the first option that `app` does not have, or "".
+std::string unknown_option(const CLI::App& app, const std::vector<std::string>& words) {
+  const std::vector<std::string> known = option_names(app);
+  for (const std::string& word : words) {
+    if (word == "--") break;
+    const std::string name = word.substr(0, word.find('='));
+    // Values may follow a short option in the same word: "-oOUT.vdb".
+    const bool is_short = word.size() > 2 && word[1] != '-';
+    const bool found =
+        std::find(known.begin(), known.end(), name) != known.end() ||
+        (is_short && std::find(known.begin(), known.end(), word.substr(0, 2)) != known.end());
+    if (is_option(word) && !found) {
+      return fmt::format("unknown option '{}'{}", name, did_you_mean(name, known));
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string command_table() {
+  std::string table = "| command | what it does |\n|---|---|\n";
+  for (const Command& command : commands()) {
+    table += fmt::format("| `{} {}` | {} |\n", command.name, command.arguments, command.summary);
+  }
+  return table;
+}
+
+std::string explain_usage(const CLI::App& app, const std::vector<std::string>& words,
+                          const CLI::ParseError& error) {
+  const std::vector<std::string> names = command_names();
+  const bool named = !words.empty() && !is_option(words.front());
+  if (named && std::find(names.begin(), names.end(), words.front()) != names.end()) {
+    const CLI::App& sub = *app.get_subcommand(words.front());
+    std::string problem = unknown_option(sub, {words.begin() + 1, words.end()});
+    if (problem.empty()) problem = error.what();
+    return fmt::format("{}: {}\nRun 'sdfgrid {} --help' for what it takes.", words.front(), problem,
+                       words.front());
+  }
+  std::string problem = named           ? fmt::format("unknown command '{}'{}", words.front(),
+                                                      did_you_mean(words.front(), names))
+                        : words.empty() ? "a command is missing"
+                                        : unknown_option(app, words);
+  if (problem.empty()) problem = error.what();
+  return fmt::format("{}\nThe commands are {}. Run 'sdfgrid --help' for more.", problem,
+                     fmt::join(names, ", "));
+}
+
+bool asks_for_json(const std::vector<std::string>& words) {
+  return std::find(words.begin(), words.end(), "--json") != words.end();
+}
+
+}  // namespace sdfgrid::cli
