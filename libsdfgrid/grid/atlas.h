@@ -1,5 +1,12 @@
-// grid/atlas.h: the bricks of a Grid laid out for tracing: read-only, aprons included, with the
-// distance to the next brick where there is none.
+// grid/atlas.h: the bricks of a Grid laid out for tracing: read-only, aprons included, and beside
+// them how far a ray may jump without meeting the surface.
+//
+// A cell is the cube between eight neighbouring samples; a brick is 8^3 cells, so 9^3 samples, and
+// brick b owns the cells from index 8 b on. The atlas's field is the trilinear interpolation of
+// float(value / voxel) over the samples of the grid. A cell may hold a zero only if its samples do
+// not all lie on one side: such a cell, and a brick with one, is called crossing. Only crossing
+// cells are ever solved; all others are jumped over, by two tables of Chebyshev distances: `jumps`
+// between bricks and `hops` between the cells of one brick.
 #pragma once
 
 #include <cstdint>
@@ -12,21 +19,43 @@
 namespace sdfgrid {
 
 struct Atlas {
-  static constexpr int kEdge = 9;                        // samples a side: 8 and an apron of one
-  static constexpr int kSamples = kEdge * kEdge * kEdge;  // z fastest: (x * 9 + y) * 9 + z
+  static constexpr int kBrick = 8;                         // cells a side
+  static constexpr int kEdge = kBrick + 1;                 // samples a side
+  static constexpr int kSamples = kEdge * kEdge * kEdge;   // z fastest: (x * 9 + y) * 9 + z
+  static constexpr int kCells = kBrick * kBrick * kBrick;  // z fastest: (x * 8 + y) * 8 + z
+  static constexpr std::int32_t kOutside = -1;  // in `bricks`: no brick, the field is positive
+  static constexpr std::int32_t kInside = -2;   // in `bricks`: no brick, the field is negative
+  // A cell also counts as crossing if its samples come within margin() of zero, so that a tracer
+  // whose positions are wrong by up to kReach voxels cannot slip past a zero at a cell's border.
+  static constexpr float kReach = 1.0F / 1024;
 
   Lattice lattice;
-  glm::ivec3 lo{0};    // brick coordinate (index >> 3) of cell (0, 0, 0) of `cells`
-  glm::ivec3 dims{0};  // bricks a side of `cells`
-  // dims.x * dims.y * dims.z, z fastest. >= 0: which brick is there. < 0: none, and none within
-  // Chebyshev distance -cell - 1 bricks either.
-  std::vector<std::int32_t> cells;
+  glm::ivec3 lo{0};    // brick coordinate (index >> 3) of slot (0, 0, 0) of the two tables
+  glm::ivec3 dims{0};  // slots a side; beyond the tables the field is positive everywhere
+  std::vector<std::int32_t> bricks;  // a slot, z fastest: >= 0 which brick, else kOutside, kInside
+  // A slot: >= 0 the brick, if it is crossing; else minus the Chebyshev distance in bricks to the
+  // nearest crossing one.
+  std::vector<std::int32_t> jumps;
   std::vector<float> samples;  // kSamples a brick, in voxels, negative inside
-  std::vector<float> slope;    // a brick: bound on the gradient's length of its trilinear field
-  std::vector<float> low, high;  // a brick: smallest and largest sample
+  // kCells a brick: Chebyshev distance in cells to the nearest crossing cell of the same brick, 0
+  // if it is crossing itself, kBrick if the brick has none.
+  std::vector<std::uint8_t> hops;
+  float outside = 3;  // distance in voxels where `bricks` says kOutside
+  float inside = -3;  // and kInside
+  float slope = 1;    // bound on the length of the field's gradient in all bricks, voxel / voxel
+
+  [[nodiscard]] float margin() const { return slope * kReach; }
+  // Of slot, which must be within dims, the place in the two tables.
+  [[nodiscard]] std::size_t place(const glm::ivec3& slot) const {
+    return (static_cast<std::size_t>(slot.x) * dims.y + slot.y) * dims.z + slot.z;
+  }
+  // The sample at an index point, in voxels.
+  [[nodiscard]] float value(const glm::ivec3& index) const;
 };
 
-// Bricks = leaves of the grid, and those beside them where an inactive neighbour changes sign.
+// Bricks are the leaves of the grid, and the regions without one where the interpolated field
+// changes sign between two tiles or a tile and a leaf (the caps that the winding number puts on
+// holes). Throws Error{failed}, with its estimate, if the tables would be absurdly large.
 [[nodiscard]] Atlas make_atlas(const Grid& grid, const Job& job);
 
 }  // namespace sdfgrid
