@@ -1,4 +1,5 @@
-// core/lattice.h: where samples sit. Samples lie ON integer index points; world = origin + voxel * index.
+// core/lattice.h: where samples sit. Samples lie ON integer index points; world = origin + voxel *
+// index.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -26,7 +27,9 @@ struct Lattice {
   glm::dvec3 origin{0.0};  // world position of index (0, 0, 0)
   double voxel = 1.0;      // world length between neighbouring samples, > 0
 
-  [[nodiscard]] glm::dvec3 to_world(const glm::dvec3& index) const { return origin + voxel * index; }
+  [[nodiscard]] glm::dvec3 to_world(const glm::dvec3& index) const {
+    return origin + voxel * index;
+  }
   [[nodiscard]] glm::dvec3 to_index(const glm::dvec3& world) const {
     return (world - origin) / voxel;
   }

@@ -26,9 +26,7 @@ Lattice Grid::lattice() const {
 
 float Grid::background() const { return storage_->vdb->background(); }
 
-bool Grid::is_level_set() const {
-  return storage_->vdb->getGridClass() == openvdb::GRID_LEVEL_SET;
-}
+bool Grid::is_level_set() const { return storage_->vdb->getGridClass() == openvdb::GRID_LEVEL_SET; }
 
 std::size_t Grid::active_voxels() const { return storage_->vdb->activeVoxelCount(); }
 

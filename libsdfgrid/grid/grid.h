@@ -48,8 +48,8 @@ class Grid {
   std::shared_ptr<GridStorage> storage_;
 };
 
-// Reads the level set of a .vdb file: the grid called `surface`, else the first float level set, else
-// the first float grid. Throws Error{input} if there is none or its transform is not uniform.
+// Reads the level set of a .vdb file: the grid called `surface`, else the first float level set,
+// else the first float grid. Throws Error{input} if there is none or its transform is not uniform.
 [[nodiscard]] Grid read_grid(const std::string& path);
 
 // Writes `grid` to `path` (blosc-compressed .vdb), which appears whole or not at all: it is written

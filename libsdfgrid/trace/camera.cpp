@@ -48,8 +48,8 @@ Camera frame(const Box& box, int width, int height, double fov) {
   const double half_height = glm::radians(fov) / 2;
   const double half_width = std::atan(std::tan(half_height) * width / height);
   const double half = std::min(half_height, half_width);
-  camera.eye = camera.target +
-               (radius / std::sin(half)) * glm::normalize(glm::dvec3(0.45, 0.3, 1.0));
+  camera.eye =
+      camera.target + (radius / std::sin(half)) * glm::normalize(glm::dvec3(0.45, 0.3, 1.0));
   return camera;
 }
 

@@ -1,0 +1,184 @@
+#include "sdfgrid/grid/convert.h"
+
+#include <fmt/format.h>
+#include <openvdb/tools/SignedFloodFill.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <memory>
+
+#include "sdfgrid/core/error.h"
+#include "sdfgrid/core/parallel.h"
+#include "sdfgrid/grid/vdb.h"
+
+namespace sdfgrid {
+namespace {
+
+using Leaf = openvdb::FloatTree::LeafNodeType;
+using LeafPointer = std::unique_ptr<Leaf>;
+
+class Stopwatch {
+ public:
+  // Seconds since the last call, or since the start.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+openvdb::Coord to_coord(const glm::ivec3& v) { return {v.x, v.y, v.z}; }
+
+LeafPointer make_leaf(const Brick& brick) {
+  auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), to_coord(brick.origin), 0.0F, false);
+  leaf->allocate();
+  std::memcpy(leaf->buffer().data(), brick.values, sizeof(float) * Leaf::SIZE);
+  Leaf::NodeMaskType mask;
+  for (openvdb::Index word = 0; word < 8; ++word) {
+    mask.getWord<openvdb::Index64>(word) = brick.active[word];
+  }
+  leaf->setValueMask(mask);
+  return leaf;
+}
+
+// The leaves of one node, by place, so that threads may fill them in any order.
+using NodeLeaves = std::vector<LeafPointer>;
+
+NodeLeaves run_node(const MeshVoxelizer& voxelizer, std::size_t node, const Job& job) {
+  NodeLeaves leaves(kNodeBricks * kNodeBricks * kNodeBricks);
+  const glm::ivec3 origin = voxelizer.node_origin(node);
+  voxelizer.run(
+      node,
+      [&](const Brick& brick) {
+        const glm::ivec3 at = (brick.origin - origin) / kBrickEdge;
+        leaves[(at.x * kNodeBricks + at.y) * kNodeBricks + at.z] = make_leaf(brick);
+      },
+      job);
+  std::erase(leaves, nullptr);
+  return leaves;
+}
+
+openvdb::FloatGrid::Ptr make_vdb(const Lattice& lattice, const Band& band, SignMethod sign) {
+  openvdb::initialize();
+  const auto grid = openvdb::FloatGrid::create(static_cast<float>(band.exwidth * lattice.voxel));
+  auto transform = openvdb::math::Transform::createLinearTransform(lattice.voxel);
+  transform->postTranslate({lattice.origin.x, lattice.origin.y, lattice.origin.z});
+  grid->setTransform(transform);
+  grid->setName("surface");
+  const bool is_signed = sign != SignMethod::no_sign;
+  grid->setGridClass(is_signed ? openvdb::GRID_LEVEL_SET : openvdb::GRID_UNKNOWN);
+  return grid;
+}
+
+std::size_t available_memory() {
+  return static_cast<std::size_t>(::sysconf(_SC_AVPHYS_PAGES)) *
+         static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+void check_memory(const TriangleSoup& soup, const Lattice& lattice, const ConvertOptions& options) {
+  const std::size_t estimate = estimate_memory(soup, lattice, options.band);
+  const std::size_t allowed =
+      options.max_memory > 0 ? options.max_memory : available_memory() / 10 * 8;
+  if (estimate <= allowed) return;
+  throw Error(
+      ErrorKind::failed,
+      fmt::format("the grid would take about {:.1f} GB, {:.1f} GB are allowed; use a larger "
+                  "voxel, a narrower band, or a higher --max-memory",
+                  1e-9 * static_cast<double>(estimate), 1e-9 * static_cast<double>(allowed)));
+}
+
+double surface_area(const TriangleSoup& soup) {
+  double area = 0;
+  for (const glm::uvec3& t : soup.triangles) {
+    const glm::dvec3 a = soup.local(t.x);
+    area += 0.5 * glm::length(glm::cross(soup.local(t.y) - a, soup.local(t.z) - a));
+  }
+  return area;
+}
+
+}  // namespace
+
+Lattice choose_lattice(const TriangleSoup& soup, const ConvertOptions& options) {
+  Lattice lattice;
+  lattice.voxel = options.voxel;
+  if (!(lattice.voxel > 0)) {
+    if (options.dim < 1) throw Error(ErrorKind::usage, "--dim must be at least 1");
+    const glm::dvec3 size = bounds(soup).size();
+    lattice.voxel = std::max(size.x, std::max(size.y, size.z)) / options.dim;
+  }
+  if (!(std::isfinite(lattice.voxel) && lattice.voxel > 1e-30)) {
+    throw Error(ErrorKind::usage,
+                "the voxel size must be a positive number; a mesh without extent "
+                "needs --voxel");
+  }
+  lattice.origin = lattice.voxel * glm::round(soup.origin / lattice.voxel);
+  return lattice;
+}
+
+std::size_t estimate_memory(const TriangleSoup& soup, const Lattice& lattice, const Band& band) {
+  const double width = band.exwidth + band.inwidth;
+  const double area = surface_area(soup) / (lattice.voxel * lattice.voxel);
+  const glm::dvec3 size = bounds(soup).size() / lattice.voxel + width;
+  // A flat band `width` thick touches about (width + 12) / 512 bricks of 8^3 for each square voxel;
+  // a crumpled mesh cannot touch more than fill its box.
+  const double bricks = std::min(area * (width + 12) / 512 + 8,
+                                 (size.x / 8 + 2) * (size.y / 8 + 2) * (size.z / 8 + 2));
+  constexpr double kBytesPerBrick = sizeof(Leaf) + sizeof(float) * Leaf::SIZE + 64;
+  constexpr double kBytesPerTriangle = 120;  // topology and bins
+  return static_cast<std::size_t>(bricks * kBytesPerBrick +
+                                  kBytesPerTriangle * static_cast<double>(soup.triangles.size()) +
+                                  50e6);
+}
+
+Conversion convert_mesh(const TriangleSoup& soup, const ConvertOptions& options, const Job& job) {
+  if (soup.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
+  const Lattice lattice = choose_lattice(soup, options);
+  check_memory(soup, lattice, options);
+  Stopwatch watch;
+  Conversion result;
+  const SignedMesh mesh = prepare_sign(soup, options.sign, job);
+  result.sign = mesh.method;
+  result.sign_reason = mesh.reason;
+  result.warnings = mesh.warnings;
+  result.seconds.sign = watch.lap();
+
+  const MeshVoxelizer voxelizer(mesh, lattice, options.band, job);
+  std::vector<NodeLeaves> leaves(voxelizer.nodes());
+  std::atomic<std::size_t> done{0};
+  parallel_for(voxelizer.nodes(), 1, job, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t node = begin; node < end; ++node) {
+      leaves[node] = run_node(voxelizer, node, job);
+      job.report("voxelize", static_cast<double>(++done) / static_cast<double>(leaves.size()));
+    }
+  });
+  result.seconds.voxelize = watch.lap();
+
+  const auto vdb = make_vdb(lattice, options.band, mesh.method);
+  openvdb::tree::ValueAccessor<openvdb::FloatTree> accessor(vdb->tree());
+  for (NodeLeaves& node : leaves) {
+    for (LeafPointer& leaf : node) accessor.addLeaf(leaf.release());
+    node = NodeLeaves();
+  }
+  if (mesh.method == SignMethod::normal) {
+    openvdb::tools::signedFloodFillWithValues(
+        vdb->tree(), vdb->background(), static_cast<float>(-options.band.inwidth * lattice.voxel),
+        true, 1, 1);
+  }
+  result.grid = from_vdb(vdb);
+  result.seconds.assemble = watch.lap();
+  return result;
+}
+
+}  // namespace sdfgrid

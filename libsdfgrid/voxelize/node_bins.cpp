@@ -1,0 +1,228 @@
+#include "sdfgrid/voxelize/node_bins.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <numeric>
+#include <unordered_map>
+
+#include "sdfgrid/core/error.h"
+
+namespace sdfgrid {
+namespace {
+
+constexpr double kFlat = 1e-6;  // voxels
+constexpr double kLargestIndex = 1e8;
+
+// From the centre of a block of `edge` samples a side to its furthest sample.
+double block_radius(int edge) { return 0.5 * (edge - 1) * std::sqrt(3.0); }
+
+glm::dvec3 any_perpendicular(const glm::dvec3& u) {
+  const glm::dvec3 axis = std::abs(u.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  return glm::normalize(glm::cross(u, axis));
+}
+
+void set_function(TriangleRecord& r, int f, const glm::dvec3& g, const glm::dvec3& zero) {
+  r.gx[f] = g.x;
+  r.gy[f] = g.y;
+  r.gz[f] = g.z;
+  r.k[f] = -glm::dot(g, zero);
+}
+
+void set_edge(TriangleRecord& r, int edge, const glm::dvec3& from, const glm::dvec3& along,
+              double length, const glm::dvec3& normal) {
+  set_function(r, 1 + edge, along, from);
+  set_function(r, 4 + edge, glm::cross(normal, along), from);
+  r.length[edge] = length;
+}
+
+// The triangle is its longest edge, run forth, back and forth: no point is inside all three.
+void set_segment(TriangleRecord& r, const glm::dvec3& from, const glm::dvec3& to) {
+  const double length = glm::distance(from, to);
+  const glm::dvec3 along = length > 0 ? (to - from) / length : glm::dvec3(1, 0, 0);
+  const glm::dvec3 normal = any_perpendicular(along);
+  set_function(r, 0, normal, from);
+  set_edge(r, 0, from, along, length, normal);
+  set_edge(r, 1, to, -along, length, normal);
+  set_edge(r, 2, from, along, length, normal);
+}
+
+struct BlockRange {
+  glm::ivec3 lo, hi;  // inclusive
+};
+
+// Blocks of `edge` samples a side whose samples can be within reach of the box of the corners.
+BlockRange block_range(const glm::dvec3 c[3], double reach, int edge) {
+  const glm::dvec3 lo = glm::min(c[0], glm::min(c[1], c[2])) - reach;
+  const glm::dvec3 hi = glm::max(c[0], glm::max(c[1], c[2])) + reach;
+  BlockRange range;
+  for (int a = 0; a < 3; ++a) {
+    // The first sample at or after lo and the last at or before hi.
+    range.lo[a] = static_cast<int>(std::floor(std::ceil(lo[a]) / edge));
+    range.hi[a] = static_cast<int>(std::floor(std::floor(hi[a]) / edge));
+  }
+  return range;
+}
+
+template <class Visit>
+void for_each_block(const BlockRange& range, const Visit& visit) {
+  for (int x = range.lo.x; x <= range.hi.x; ++x) {
+    for (int y = range.lo.y; y <= range.hi.y; ++y) {
+      for (int z = range.lo.z; z <= range.hi.z; ++z) visit(glm::ivec3(x, y, z));
+    }
+  }
+}
+
+// Whether a sample of the block can be within reach of the triangle (never wrongly false).
+bool reaches(const BrickKernel& kernel, const TriangleRecord& record, const glm::ivec3& block,
+             int edge, double reach) {
+  double center[3];
+  double support = 0;  // of the block along the triangle's normal
+  const double normal[3] = {record.gx[0], record.gy[0], record.gz[0]};
+  double height = record.k[0];
+  for (int a = 0; a < 3; ++a) {
+    center[a] = static_cast<double>(block[a]) * edge + 0.5 * (edge - 1);
+    support += 0.5 * (edge - 1) * std::abs(normal[a]);
+    height += normal[a] * center[a];
+  }
+  if (std::abs(height) > reach + support) return false;
+  const double limit = reach + block_radius(edge);
+  return kernel.squared_distance(record, center) <= limit * limit;
+}
+
+// Orders nodes by x, then y, then z. Node coordinates fit 21 bits each: kLargestIndex / 128 < 2^20.
+std::uint64_t node_key(const glm::ivec3& node) {
+  const auto part = [](int v) { return static_cast<std::uint64_t>(v + (1 << 20)); };
+  return part(node.x) << 42U | part(node.y) << 21U | part(node.z);
+}
+
+}  // namespace
+
+TriangleRecord make_record(const glm::dvec3 corners[3]) {
+  TriangleRecord r{};
+  int longest = 0;
+  double length[3];
+  for (int k = 0; k < 3; ++k) {
+    length[k] = glm::distance(corners[k], corners[(k + 1) % 3]);
+    if (length[k] > length[longest]) longest = k;
+  }
+  const glm::dvec3 a = corners[longest];
+  const glm::dvec3 b = corners[(longest + 1) % 3];
+  const glm::dvec3 c = corners[(longest + 2) % 3];
+  const glm::dvec3 cross = glm::cross(b - a, c - a);
+  const double doubled_area = glm::length(cross);
+  if (!(doubled_area > kFlat * length[longest])) {
+    set_segment(r, a, b);
+    return r;
+  }
+  const glm::dvec3 normal = cross / doubled_area;
+  set_function(r, 0, normal, a);
+  const glm::dvec3 from[4] = {a, b, c, a};
+  for (int k = 0; k < 3; ++k) {
+    const double l = length[(longest + k) % 3];
+    const glm::dvec3 along = l > 0 ? (from[k + 1] - from[k]) / l : any_perpendicular(normal);
+    set_edge(r, k, from[k], along, l, normal);
+  }
+  return r;
+}
+
+void index_corners(const TriangleSoup& soup, const Lattice& lattice, std::uint32_t t,
+                   glm::dvec3 corners[3]) {
+  const glm::dvec3 shift = soup.origin - lattice.origin;
+  for (int k = 0; k < 3; ++k) {
+    corners[k] = (shift + soup.local(soup.triangles[t][k])) / lattice.voxel;
+  }
+}
+
+NodeBins::NodeBins(const TriangleSoup& soup, const Lattice& lattice, double reach, const Job& job) {
+  const BrickKernel& kernel = brick_kernel();
+  std::unordered_map<std::uint64_t, std::uint32_t> numbers;  // key -> order of first appearance
+  std::vector<glm::ivec3> nodes;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  // node, triangle
+  pairs.reserve(soup.triangles.size() + soup.triangles.size() / 2);
+  std::uint64_t last_key = ~0ULL;
+  std::uint32_t last = 0;
+  for (std::uint32_t t = 0; t < soup.triangles.size(); ++t) {
+    if (t % 65536 == 0) job.checkpoint();
+    glm::dvec3 corners[3];
+    index_corners(soup, lattice, t, corners);
+    for (const glm::dvec3& c : corners) {
+      if (!(std::abs(c.x) < kLargestIndex && std::abs(c.y) < kLargestIndex &&
+            std::abs(c.z) < kLargestIndex)) {
+        throw Error(ErrorKind::usage, "the voxel size is too small for the mesh; use a larger one");
+      }
+    }
+    const BlockRange range = block_range(corners, reach, kNodeEdge);
+    const glm::ivec3 span = range.hi - range.lo;
+    const bool many = span.x + span.y + span.z > 3;  // else culling costs more than it saves
+    const TriangleRecord record = many ? make_record(corners) : TriangleRecord{};
+    for_each_block(range, [&](const glm::ivec3& node) {
+      if (many && !reaches(kernel, record, node, kNodeEdge, reach)) return;
+      const std::uint64_t key = node_key(node);
+      if (key != last_key) {
+        const auto [found, is_new] =
+            numbers.try_emplace(key, static_cast<std::uint32_t>(nodes.size()));
+        if (is_new) nodes.push_back(node);
+        last_key = key;
+        last = found->second;
+      }
+      pairs.emplace_back(last, t);
+    });
+  }
+  std::vector<std::uint32_t> order(nodes.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return node_key(nodes[a]) < node_key(nodes[b]);
+  });
+  std::vector<std::uint32_t> rank(nodes.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
+  origins_.reserve(nodes.size());
+  for (const std::uint32_t n : order) origins_.push_back(nodes[n] * kNodeEdge);
+  first_.assign(nodes.size() + 1, 0);
+  for (const auto& [node, t] : pairs) ++first_[rank[node] + 1];
+  for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+  triangles_.resize(pairs.size());
+  std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+  for (const auto& [node, t] : pairs) triangles_[next[rank[node]]++] = t;
+}
+
+BrickBins::BrickBins(const TriangleSoup& soup, const Lattice& lattice, double reach,
+                     const glm::ivec3& origin, std::span<const std::uint32_t> triangles) {
+  const BrickKernel& kernel = brick_kernel();
+  const glm::ivec3 first_brick = origin / kBrickEdge;
+  std::vector<std::uint32_t> count(kNodeBricks * kNodeBricks * kNodeBricks, 0);
+  std::vector<std::pair<std::uint16_t, std::uint32_t>> pairs;  // slot, local number
+  records_.reserve(triangles.size());
+  pairs.reserve(12 * triangles.size());
+  for (std::uint32_t local = 0; local < triangles.size(); ++local) {
+    glm::dvec3 corners[3];
+    index_corners(soup, lattice, triangles[local], corners);
+    records_.push_back(make_record(corners));
+    BlockRange range = block_range(corners, reach, kBrickEdge);
+    range.lo = glm::max(range.lo, first_brick);
+    range.hi = glm::min(range.hi, first_brick + (kNodeBricks - 1));
+    for_each_block(range, [&](const glm::ivec3& brick) {
+      if (!reaches(kernel, records_.back(), brick, kBrickEdge, reach)) return;
+      const glm::ivec3 at = brick - first_brick;
+      const auto slot =
+          static_cast<std::uint16_t>((at.x * kNodeBricks + at.y) * kNodeBricks + at.z);
+      ++count[slot];
+      pairs.emplace_back(slot, local);
+    });
+  }
+  std::vector<std::size_t> next(count.size());
+  std::size_t total = 0;
+  for (std::size_t slot = 0; slot < count.size(); ++slot) {
+    next[slot] = total;
+    if (count[slot] == 0) continue;
+    slots_.push_back(static_cast<std::uint16_t>(slot));
+    first_.push_back(total);
+    total += count[slot];
+  }
+  first_.push_back(total);
+  locals_.resize(total);
+  for (const auto& [slot, local] : pairs) locals_[next[slot]++] = local;
+}
+
+}  // namespace sdfgrid
