@@ -1,0 +1,24 @@
+// mesh/orient.h: makes the components of a closed mesh face the right way.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sdfgrid/mesh/diagnose.h"
+#include "sdfgrid/mesh/soup.h"
+
+namespace sdfgrid {
+
+// Turns components of a closed, consistently oriented soup so that outer shells face outward, those
+// directly in them inward (a shell in a shell is a cavity), those in these outward again, and so
+// on. A component is in another if the other winds round the centres of a sample of its triangles,
+// all of them: components that merely overlap are outer shells both. Components without volume
+// stay.
+//
+// `diagnosis` must be that of `soup`; its volume and flipped-ness are not brought up to date. Soups
+// that are not closed or not consistently oriented are left alone. Returns warnings that count what
+// was turned; none if all was well.
+[[nodiscard]] std::vector<std::string> orient_closed_components(TriangleSoup& soup,
+                                                                const MeshDiagnosis& diagnosis);
+
+}  // namespace sdfgrid
