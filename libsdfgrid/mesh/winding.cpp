@@ -1,0 +1,68 @@
+#include "sdfgrid/mesh/winding.h"
+
+#include <stdexcept>
+
+#include "sdfgrid/core/isa.h"
+#include "sdfgrid/mesh/winding_boundary.h"
+#include "sdfgrid/mesh/winding_tree.h"
+
+namespace sdfgrid {
+namespace {
+
+// The bound that one expansion keeps. Bounds are pessimistic and errors of neighbours cancel: with
+// this, the sum over all expansions of a query stays below tolerance() by far (docs/methods.md).
+constexpr double kExpansionError = 1e-3;
+
+winding::Evaluate kernel() {
+  switch (active_isa()) {
+#if defined(__x86_64__)
+    case Isa::avx512:
+      return avx512::evaluate_winding;
+    case Isa::avx2:
+      return avx2::evaluate_winding;
+#endif
+    default:
+      return baseline::evaluate_winding;
+  }
+}
+
+}  // namespace
+
+struct WindingNumber::Parts {
+  winding::Tree tree;
+  winding::Boundary boundary;
+  winding::Evaluate evaluate;
+};
+
+WindingNumber::WindingNumber(const TriangleSoup& soup, const Job& job)
+    : parts_(std::make_unique<Parts>(Parts{winding::build_tree(soup, kExpansionError, job),
+                                           winding::Boundary(winding::boundary_edges(soup)),
+                                           kernel()})) {}
+
+WindingNumber::~WindingNumber() = default;
+WindingNumber::WindingNumber(WindingNumber&&) noexcept = default;
+WindingNumber& WindingNumber::operator=(WindingNumber&&) noexcept = default;
+
+double WindingNumber::at(const glm::dvec3& local) const {
+  double w = 0.0;
+  at({&local, 1}, {&w, 1});
+  return w;
+}
+
+void WindingNumber::at(std::span<const glm::dvec3> locals, std::span<double> out) const {
+  if (locals.size() != out.size()) throw std::invalid_argument("WindingNumber::at: sizes differ");
+  static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));
+  if (parts_->tree.nodes.empty()) {
+    for (double& w : out) w = 0.0;
+  } else if (!locals.empty()) {
+    parts_->evaluate(parts_->tree.view(), &locals.front().x, locals.size(), out.data());
+  }
+}
+
+double WindingNumber::gradient_bound(const glm::dvec3& center, double radius, double limit) const {
+  return parts_->boundary.gradient_bound(center, radius, limit);
+}
+
+bool WindingNumber::closed() const { return parts_->boundary.empty(); }
+
+}  // namespace sdfgrid

@@ -1,0 +1,54 @@
+// mesh/winding_kernel.h: the winding number's tree as its vector kernel reads it (not installed).
+// Sixteen children of a node, or sixteen triangles of a leaf, lie side by side in each array, so
+// that one query meets sixteen of them at a time and its result depends on nothing but itself.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace sdfgrid::winding {
+
+inline constexpr int kWidth = 16;
+
+// Numbers of the multipole expansion of one child about its centre: 3 of degree one, 5 of degree
+// two, 7 of degree three (see winding_moments.h for which).
+inline constexpr int kCoefficients = 15;
+
+struct alignas(64) Node {
+  float center[3][kWidth];
+  float reach2[kWidth];  // squared distance from the centre below which the child is opened
+  float coefficient[kCoefficients][kWidth];
+  std::uint32_t first;   // index of the first child, among nodes or leaves
+  std::uint32_t leaves;  // 1 if the children are leaves
+};
+
+// Unused places repeat one corner of the leaf three times: a triangle without area.
+struct alignas(64) Leaf {
+  float corner[3][3][kWidth];  // [which corner][axis]
+};
+
+// Node 0 is the root. Coordinates are the soup's, times `scale`.
+struct TreeView {
+  const Node* nodes;
+  const Leaf* leaves;
+  double scale;
+};
+
+// Winding numbers at `count` positions, three doubles each, in the soup's local coordinates.
+using Evaluate = void (*)(const TreeView& tree, const double* positions, std::size_t count,
+                          double* out);
+
+}  // namespace sdfgrid::winding
+
+namespace sdfgrid::baseline {
+void evaluate_winding(const winding::TreeView& tree, const double* positions, std::size_t count,
+                      double* out);
+}
+namespace sdfgrid::avx2 {
+void evaluate_winding(const winding::TreeView& tree, const double* positions, std::size_t count,
+                      double* out);
+}
+namespace sdfgrid::avx512 {
+void evaluate_winding(const winding::TreeView& tree, const double* positions, std::size_t count,
+                      double* out);
+}

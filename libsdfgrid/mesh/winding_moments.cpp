@@ -1,0 +1,118 @@
+#include "sdfgrid/mesh/winding_moments.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <numbers>
+
+namespace sdfgrid::winding {
+namespace {
+
+constexpr int kPair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+
+// Adds `part`, whose own centre lies at `shift` from that of `sum`.
+void add_shifted(Moments& sum, const Moments& part, const glm::dvec3& shift) {
+  sum.spread += part.spread + part.area * glm::dot(shift, shift);
+  sum.radius = std::max(sum.radius, glm::length(shift) + part.radius);
+  sum.normal += part.normal;
+  sum.first += part.first + glm::outerProduct(part.normal, shift);
+  for (int jk = 0; jk < 6; ++jk) {
+    const auto [j, k] = kPair[jk];
+    sum.second[jk] += part.second[jk] + part.first[j] * shift[k] + part.first[k] * shift[j] +
+                      part.normal * (shift[j] * shift[k]);
+  }
+}
+
+double distance_to_farthest_corner(const Box& box, const glm::dvec3& p) {
+  return glm::length(glm::max(glm::abs(box.lo - p), glm::abs(box.hi - p)));
+}
+
+}  // namespace
+
+Moments moments_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  Moments m;
+  for (const glm::dvec3& corner : {a, b, c}) m.box.add(corner);
+  m.center = (a + b + c) / 3.0;
+  const glm::dvec3 normal = 0.5 * glm::cross(b - a, c - a);
+  m.area = glm::length(normal);
+  if (m.area == 0.0) return m;
+  m.normal = normal;
+  // The first moment about the centroid is zero, the second a twelfth of the corners' sum.
+  for (const glm::dvec3& corner : {a, b, c}) {
+    const glm::dvec3 p = corner - m.center;
+    for (int jk = 0; jk < 6; ++jk) {
+      m.second[jk] += normal * (p[kPair[jk][0]] * p[kPair[jk][1]] / 12.0);
+    }
+    m.spread += m.area * glm::dot(p, p) / 12.0;
+    m.radius = std::max(m.radius, glm::length(p));
+  }
+  return m;
+}
+
+Moments merged(const Moments* parts, std::size_t count) {
+  Moments sum;
+  glm::dvec3 weighted(0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    sum.area += parts[i].area;
+    weighted += parts[i].area * parts[i].center;
+    sum.box.add(parts[i].box.lo);
+    sum.box.add(parts[i].box.hi);
+  }
+  sum.center = sum.area > 0.0 ? weighted / sum.area : sum.box.center();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (parts[i].area > 0.0) add_shifted(sum, parts[i], parts[i].center - sum.center);
+  }
+  sum.radius = std::min(sum.radius, distance_to_farthest_corner(sum.box, sum.center));
+  return sum;
+}
+
+// With d from the point to the centre, r = |d|, and p from the centre to the surface,
+// n.(p + d) / |p + d|^3 is -n.grad_p of 1/|p + d| = sum over l of |p|^l P_l(-p.d/(|p| r)) /
+// r^(l+1). Degree 1: n.d / r^3. Degree 2: (n.p r^2 - 3 (p.d)(n.d)) / r^5. Degree 3: (15 (p.d)^2
+// (n.d) - 3 r^2 (2 (n.p)(p.d) + |p|^2 (n.d))) / (2 r^7). Both are harmonic polynomials of d, so the
+// symmetric traceless part of each moment is all of it.
+std::array<double, kCoefficients> coefficients(const Moments& m) {
+  const double k = 0.25 * std::numbers::inv_pi;
+  const glm::dmat3 s = 0.5 * (m.first + glm::transpose(m.first));
+  const double third = (s[0][0] + s[1][1] + s[2][2]) / 3.0;
+  const auto c = [&](int i, int j, int l) {  // of n_i p_j p_l
+    constexpr int kIndex[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+    return m.second[kIndex[j][l]][i];
+  };
+  const auto t = [&](int i, int j, int l) { return (c(i, j, l) + c(j, i, l) + c(l, i, j)) / 3.0; };
+  // Traceless part of t: t_ijj less its share of the trace; only i, j, j and x, y, z are needed.
+  const auto h = [&](int i, int j) {
+    return t(i, j, j) - (t(i, 0, 0) + t(i, 1, 1) + t(i, 2, 2)) / 5.0;
+  };
+  const double k2 = -3.0 * k;
+  const double k3 = 7.5 * k;
+  return {k * m.normal.x,         k * m.normal.y,     k * m.normal.z,       k2 * (s[0][0] - third),
+          k2 * (s[1][1] - third), 2.0 * k2 * s[0][1], 2.0 * k2 * s[0][2],   2.0 * k2 * s[1][2],
+          k3 * h(0, 1),           k3 * h(0, 2),       k3 * h(1, 0),         k3 * h(1, 2),
+          k3 * h(2, 0),           k3 * h(2, 1),       6.0 * k3 * t(0, 1, 2)};
+}
+
+// The gradient of |p|^l P_l is at most l |p|^(l-1) long, so the terms from degree four on sum to at
+// most 1/(4 pi d^2) sum of l rho^(l-3) spread / d^2 ... with rho = radius / distance.
+double expansion_error(const Moments& m, double distance) {
+  const double rho = m.radius / distance;
+  const double series = rho * (4.0 / (1.0 - rho) + rho / ((1.0 - rho) * (1.0 - rho)));
+  const double d2 = distance * distance;
+  return 0.25 * std::numbers::inv_pi * m.spread / (d2 * d2) * series;
+}
+
+double reach(const Moments& m, double tolerance) {
+  if (!(m.spread > 0.0)) return 0.0;
+  // The error falls with the distance: bisect between the radius and a distance that is enough.
+  double lo = m.radius;
+  double hi = 2.0 * m.radius;
+  while (expansion_error(m, hi) > tolerance) hi *= 2.0;
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (lo + hi);
+    (expansion_error(m, middle) > tolerance ? lo : hi) = middle;
+  }
+  return hi;
+}
+
+}  // namespace sdfgrid::winding
