@@ -18,6 +18,7 @@
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/grid/vdb.h"
+#include "sdfgrid/voxelize/empty_space.h"
 
 namespace sdfgrid {
 namespace {
@@ -80,6 +81,36 @@ openvdb::FloatGrid::Ptr make_vdb(const Lattice& lattice, const Band& band, SignM
   const bool is_signed = sign != SignMethod::no_sign;
   grid->setGridClass(is_signed ? openvdb::GRID_LEVEL_SET : openvdb::GRID_UNKNOWN);
   return grid;
+}
+
+// Closed meshes: beyond the band every sample is on the side of its neighbours.
+void flood_interior(openvdb::FloatGrid& grid, float in_background) {
+  constexpr openvdb::Index kAboveLeaves = 1;  // the bricks came out whole
+  openvdb::tools::signedFloodFillWithValues(grid.tree(), grid.background(), -in_background, true, 1,
+                                            kAboveLeaves);
+}
+
+// Meshes with holes: the winding number says where inside is.
+void fill_interior(openvdb::FloatGrid& grid, float in_background, const SignedMesh& mesh,
+                   const Lattice& lattice, const Job& job) {
+  std::vector<glm::ivec3> bricks;
+  bricks.reserve(grid.tree().leafCount());
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    bricks.emplace_back(leaf->origin().x(), leaf->origin().y(), leaf->origin().z());
+  }
+  const EmptySpace empty =
+      sign_empty_space(*mesh.winding, lattice, lattice.origin - mesh.soup.origin, bricks, job);
+  for (const InsideBox& box : empty.inside) {
+    grid.tree().fill(openvdb::CoordBBox::createCube(to_coord(box.lo), box.edge), -in_background,
+                     false);
+  }
+  for (const CapBrick& cap : empty.caps) {
+    Leaf* leaf = grid.tree().touchLeaf(to_coord(cap.origin));
+    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
+      const bool inside = (cap.negative[i >> 6] >> (i & 63) & 1) != 0;
+      leaf->setValueOff(i, inside ? -in_background : grid.background());
+    }
+  }
 }
 
 std::size_t available_memory() {
@@ -171,10 +202,11 @@ Conversion convert_mesh(const TriangleSoup& soup, const ConvertOptions& options,
     for (LeafPointer& leaf : node) accessor.addLeaf(leaf.release());
     node = NodeLeaves();
   }
+  const auto in_background = static_cast<float>(options.band.inwidth * lattice.voxel);
   if (mesh.method == SignMethod::normal) {
-    openvdb::tools::signedFloodFillWithValues(
-        vdb->tree(), vdb->background(), static_cast<float>(-options.band.inwidth * lattice.voxel),
-        true, 1, 1);
+    flood_interior(*vdb, in_background);
+  } else if (mesh.method == SignMethod::winding) {
+    fill_interior(*vdb, in_background, mesh, lattice, job);
   }
   result.grid = from_vdb(vdb);
   result.seconds.assemble = watch.lap();

@@ -1,7 +1,12 @@
 // Reading and writing .vdb files; declared in grid.h.
+#include <fmt/format.h>
 #include <openvdb/io/File.h>
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <vector>
 
 #include "sdfgrid/core/atomic_file.h"
 #include "sdfgrid/core/error.h"
@@ -16,6 +21,35 @@ int suitability(const openvdb::GridBase& grid) {
   if (!grid.isType<openvdb::FloatGrid>()) return 0;
   if (grid.getName() == "surface") return 3;
   return grid.getGridClass() == openvdb::GRID_LEVEL_SET ? 2 : 1;
+}
+
+// OpenVDB gives every file a random identifier, so that the same grid never has the same bytes
+// twice. Replaces it by a hash of the rest of the file (FNV-1a, twice), in the same form.
+void make_identifier_reproducible(const std::string& path) {
+  // OpenVDB's header: magic (8 bytes), file format and library versions (3 x 4), whether the file
+  // has grid offsets (1), then the identifier as text.
+  constexpr std::streamoff kAt = 21;
+  constexpr std::size_t kLength = 36;
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  std::uint64_t hash[2] = {0xcbf29ce484222325ULL, 0x84222325cbf29ce4ULL};
+  std::vector<char> chunk(1 << 20);
+  for (std::streamoff offset = 0; file.good();
+       offset += static_cast<std::streamoff>(chunk.size())) {
+    file.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
+    for (std::streamoff i = 0; i < file.gcount(); ++i) {
+      if (offset + i >= kAt && offset + i < kAt + static_cast<std::streamoff>(kLength)) continue;
+      const auto byte = static_cast<unsigned char>(chunk[static_cast<std::size_t>(i)]);
+      hash[0] = (hash[0] ^ byte) * 0x100000001b3ULL;
+      hash[1] = (hash[1] ^ (byte + 1U)) * 0x100000001b3ULL;
+    }
+  }
+  std::string id =
+      fmt::format("{:08x}-{:04x}-8{:03x}-8{:03x}-{:012x}", hash[0] >> 32, hash[0] >> 16 & 0xffff,
+                  hash[0] & 0xfff, hash[1] >> 52, hash[1] & 0xffffffffffff);
+  file.clear();
+  file.seekp(kAt);
+  file.write(id.data(), kLength);
+  if (!file.flush()) throw Error(ErrorKind::failed, path + ": cannot be written");
 }
 
 }  // namespace
@@ -58,6 +92,7 @@ void write_grid(const Grid& grid, const std::string& path) {
       file.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
       file.write(openvdb::GridCPtrVec{vdb(grid)});
       file.close();
+      make_identifier_reproducible(temporary);
     } catch (const openvdb::Exception& e) {
       throw Error(ErrorKind::failed, path + ": cannot be written (" + e.what() + ")");
     }
