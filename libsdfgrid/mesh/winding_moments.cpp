@@ -11,8 +11,30 @@ namespace {
 
 constexpr int kPair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
 
-// Adds `part`, whose own centre lies at `shift` from that of `sum`.
-void add_shifted(Moments& sum, const Moments& part, const glm::dvec3& shift) {
+// Adds what a triangle gives to the integrals about sum.center. With corners p and their sum s, the
+// mean of p_j p_k over the triangle is (sum of p_j p_k over the corners + s_j s_k) / 12.
+void add_triangle(Moments& sum, const Triangle& triangle) {
+  const glm::dvec3 a = triangle[0] - sum.center;
+  const glm::dvec3 b = triangle[1] - sum.center;
+  const glm::dvec3 c = triangle[2] - sum.center;
+  const glm::dvec3 s = a + b + c;
+  const glm::dvec3 normal = 0.5 * glm::cross(b - a, c - a);
+  std::array<double, 6> mean;
+  for (int jk = 0; jk < 6; ++jk) {
+    const auto [j, k] = kPair[jk];
+    mean[jk] = (a[j] * a[k] + b[j] * b[k] + c[j] * c[k] + s[j] * s[k]) / 12.0;
+    sum.second[jk] += normal * mean[jk];
+  }
+  sum.normal += normal;
+  sum.first += glm::outerProduct(normal, s / 3.0);
+  sum.spread += glm::length(normal) * (mean[0] + mean[1] + mean[2]);
+  const double r2 = std::max({glm::dot(a, a), glm::dot(b, b), glm::dot(c, c)});
+  sum.radius = std::max(sum.radius, std::sqrt(r2));
+}
+
+// Adds a patch's integrals, moved from its own centre to sum.center.
+void add_part(Moments& sum, const Moments& part) {
+  const glm::dvec3 shift = part.center - sum.center;
   sum.spread += part.spread + part.area * glm::dot(shift, shift);
   sum.radius = std::max(sum.radius, glm::length(shift) + part.radius);
   sum.normal += part.normal;
@@ -30,39 +52,29 @@ double distance_to_farthest_corner(const Box& box, const glm::dvec3& p) {
 
 }  // namespace
 
-Moments moments_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-  Moments m;
-  for (const glm::dvec3& corner : {a, b, c}) m.box.add(corner);
-  m.center = (a + b + c) / 3.0;
-  const glm::dvec3 normal = 0.5 * glm::cross(b - a, c - a);
-  m.area = glm::length(normal);
-  if (m.area == 0.0) return m;
-  m.normal = normal;
-  // The first moment about the centroid is zero, the second a twelfth of the corners' sum.
-  for (const glm::dvec3& corner : {a, b, c}) {
-    const glm::dvec3 p = corner - m.center;
-    for (int jk = 0; jk < 6; ++jk) {
-      m.second[jk] += normal * (p[kPair[jk][0]] * p[kPair[jk][1]] / 12.0);
-    }
-    m.spread += m.area * glm::dot(p, p) / 12.0;
-    m.radius = std::max(m.radius, glm::length(p));
+Moments moments_of(std::span<const Triangle> triangles) {
+  Moments sum;
+  for (const Triangle& t : triangles) {
+    const double area = 0.5 * glm::length(glm::cross(t[1] - t[0], t[2] - t[0]));
+    sum.area += area;
+    sum.center += area / 3.0 * (t[0] + t[1] + t[2]);
+    for (const glm::dvec3& corner : t) sum.box.add(corner);
   }
-  return m;
+  sum.center /= sum.area;
+  for (const Triangle& t : triangles) add_triangle(sum, t);
+  return sum;
 }
 
-Moments merged(const Moments* parts, std::size_t count) {
+Moments merged(std::span<const Moments> parts) {
   Moments sum;
-  glm::dvec3 weighted(0.0);
-  for (std::size_t i = 0; i < count; ++i) {
-    sum.area += parts[i].area;
-    weighted += parts[i].area * parts[i].center;
-    sum.box.add(parts[i].box.lo);
-    sum.box.add(parts[i].box.hi);
+  for (const Moments& part : parts) {
+    sum.area += part.area;
+    sum.center += part.area * part.center;
+    sum.box.add(part.box.lo);
+    sum.box.add(part.box.hi);
   }
-  sum.center = sum.area > 0.0 ? weighted / sum.area : sum.box.center();
-  for (std::size_t i = 0; i < count; ++i) {
-    if (parts[i].area > 0.0) add_shifted(sum, parts[i], parts[i].center - sum.center);
-  }
+  sum.center /= sum.area;
+  for (const Moments& part : parts) add_part(sum, part);
   sum.radius = std::min(sum.radius, distance_to_farthest_corner(sum.box, sum.center));
   return sum;
 }
@@ -93,8 +105,9 @@ std::array<double, kCoefficients> coefficients(const Moments& m) {
           k3 * h(2, 0),           k3 * h(2, 1),       6.0 * k3 * t(0, 1, 2)};
 }
 
-// The gradient of |p|^l P_l is at most l |p|^(l-1) long, so the terms from degree four on sum to at
-// most 1/(4 pi d^2) sum of l rho^(l-3) spread / d^2 ... with rho = radius / distance.
+// The gradient of |p|^l P_l is at most l |p|^(l-1) long, and |p|^(l-1) at most radius^(l-3) |p|^2:
+// so the terms from degree four on sum to no more than spread / (4 pi d^4) * sum of l rho^(l-3),
+// where rho = radius / d.
 double expansion_error(const Moments& m, double distance) {
   const double rho = m.radius / distance;
   const double series = rho * (4.0 / (1.0 - rho) + rho / ((1.0 - rho) * (1.0 - rho)));
@@ -108,7 +121,7 @@ double reach(const Moments& m, double tolerance) {
   double lo = m.radius;
   double hi = 2.0 * m.radius;
   while (expansion_error(m, hi) > tolerance) hi *= 2.0;
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 12; ++i) {
     const double middle = 0.5 * (lo + hi);
     (expansion_error(m, middle) > tolerance ? lo : hi) = middle;
   }

@@ -7,6 +7,7 @@
 #include <array>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <span>
 
 #include "sdfgrid/core/lattice.h"
 #include "sdfgrid/mesh/winding_kernel.h"
@@ -26,11 +27,13 @@ struct Moments {
   std::array<glm::dvec3, 6> second{};
 };
 
-// One triangle; all zero but `center` and `box` if it has no area.
-[[nodiscard]] Moments moments_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
+using Triangle = std::array<glm::dvec3, 3>;
 
-// The moments of the union, about its own centroid. `count` is at least 1.
-[[nodiscard]] Moments merged(const Moments* parts, std::size_t count);
+// Of some triangles, about their centroid by area. Some triangle must have an area.
+[[nodiscard]] Moments moments_of(std::span<const Triangle> triangles);
+
+// Of the union of some patches, about its own centroid.
+[[nodiscard]] Moments merged(std::span<const Moments> parts);
 
 // The expansion's coefficients, in the order that the kernel evaluates them.
 [[nodiscard]] std::array<double, kCoefficients> coefficients(const Moments& m);

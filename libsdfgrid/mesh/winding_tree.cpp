@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <span>
 
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/mesh/winding_moments.h"
@@ -127,35 +128,52 @@ std::vector<Level> make_levels(std::vector<Item>& items, const Job& job) {
   return levels;
 }
 
-Moments fill_leaf(Leaf& leaf, const TriangleSoup& soup, double scale, const Item* items,
-                  std::size_t count) {
-  std::array<Moments, kWidth> parts;
+Moments fill_leaf(Leaf& leaf, const TriangleSoup& soup, double scale, std::span<const Item> items) {
+  std::array<Triangle, kWidth> triangles;
   for (std::size_t lane = 0; lane < kWidth; ++lane) {
-    glm::uvec3 t = soup.triangles[items[std::min(lane, count - 1)].triangle];
-    if (lane >= count) t = glm::uvec3(t.x);
-    std::array<glm::dvec3, 3> corner;
+    glm::uvec3 t = soup.triangles[items[std::min(lane, items.size() - 1)].triangle];
+    if (lane >= items.size()) t = glm::uvec3(t.x);
     for (int k = 0; k < 3; ++k) {
-      corner[k] = scale * soup.local(t[k]);
-      for (int a = 0; a < 3; ++a) leaf.corner[k][a][lane] = static_cast<float>(corner[k][a]);
+      triangles[lane][k] = scale * soup.local(t[k]);
+      for (int a = 0; a < 3; ++a) {
+        leaf.corner[k][a][lane] = static_cast<float>(triangles[lane][k][a]);
+      }
     }
-    parts[lane] = moments_of(corner[0], corner[1], corner[2]);
   }
-  return merged(parts.data(), count);
+  return moments_of({triangles.data(), items.size()});
 }
 
-void fill_node(Node& node, const Moments* children, std::size_t count, double error) {
-  for (std::size_t lane = 0; lane < kWidth; ++lane) {
-    const bool used = lane < count;
-    const double distance = used ? reach(children[lane], error) : 0.0;
-    node.reach2[lane] = static_cast<float>(distance * distance);
-    for (int a = 0; a < 3; ++a) {
-      node.center[a][lane] = used ? static_cast<float>(children[lane].center[a]) : kNowhere;
-    }
-    const auto c = used ? coefficients(children[lane]) : std::array<double, kCoefficients>{};
-    for (int i = 0; i < kCoefficients; ++i) {
-      node.coefficient[i][lane] = static_cast<float>(c[i]);
-    }
+// What cancelled to a rounding error becomes zero: no farther away than the radius is any child
+// expanded, where it would add 1e-12. Left alone it may be a denormal number, which takes a hundred
+// times as long.
+float without_dust(double coefficient, double radius, int degree) {
+  const double at_radius = std::abs(coefficient) / std::pow(radius, degree + 1);
+  return at_radius < 1e-12 ? 0.0F : static_cast<float>(coefficient);
+}
+
+void fill_child(Node& node, std::size_t lane, const Moments& child, double error) {
+  const double distance = reach(child, error);
+  node.reach2[lane] = static_cast<float>(distance * distance);
+  for (int a = 0; a < 3; ++a) node.center[a][lane] = static_cast<float>(child.center[a]);
+  const std::array<double, kCoefficients> c = coefficients(child);
+  for (int i = 0; i < kCoefficients; ++i) {
+    const int degree = i < 3 ? 1 : i < 8 ? 2 : 3;
+    node.coefficient[i][lane] = without_dust(c[i], child.radius, degree);
   }
+}
+
+// A child without triangles, too far from any query to be opened.
+void fill_unused(Node& node, std::size_t lane) {
+  node.reach2[lane] = 0.0F;
+  for (auto& center : node.center) center[lane] = kNowhere;
+  for (auto& coefficient : node.coefficient) coefficient[lane] = 0.0F;
+}
+
+void fill_node(Node& node, std::span<const Moments> children, double error) {
+  for (std::size_t lane = 0; lane < children.size(); ++lane) {
+    fill_child(node, lane, children[lane], error);
+  }
+  for (std::size_t lane = children.size(); lane < kWidth; ++lane) fill_unused(node, lane);
 }
 
 std::vector<Moments> fill_leaves(Tree& tree, const TriangleSoup& soup,
@@ -166,7 +184,7 @@ std::vector<Moments> fill_leaves(Tree& tree, const TriangleSoup& soup,
   parallel_for(level.ranges.size(), 64, job, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Range& range = level.ranges[i];
-      moments[i] = fill_leaf(tree.leaves[i], soup, tree.scale, &items[range.begin], range.size());
+      moments[i] = fill_leaf(tree.leaves[i], soup, tree.scale, {&items[range.begin], range.size()});
     }
   });
   return moments;
@@ -182,11 +200,11 @@ std::vector<Moments> fill_level(Tree& tree, std::size_t offset, bool above_leave
     for (std::size_t i = begin; i < end; ++i) {
       Node& node = tree.nodes[offset + i];
       const std::size_t first = level.first[i];
-      const std::size_t many = level.first[i + 1] - first;
-      fill_node(node, &children[first], many, error);
+      const std::span below(&children[first], level.first[i + 1] - first);
+      fill_node(node, below, error);
       node.leaves = above_leaves ? 1 : 0;
       node.first = static_cast<std::uint32_t>(above_leaves ? first : offset + count + first);
-      moments[i] = merged(&children[first], many);
+      moments[i] = merged(below);
     }
   });
   return moments;
