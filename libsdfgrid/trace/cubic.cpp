@@ -36,10 +36,11 @@ double crossing_between(const Cubic& cubic, double lo, double hi, bool inside) {
     const bool good = newton > lo && newton < hi && std::abs(newton - s) < 0.5 * last;
     const double next = good ? newton : 0.5 * (lo + hi);
     last = std::abs(next - s);
-    if (last <= 1e-15 * whole || next <= lo || next >= hi) break;
+    if (next <= lo || next >= hi) break;
     s = next;
+    if (last <= 1e-15 * whole) break;
   }
-  return hi;
+  return s;
 }
 
 }  // namespace
