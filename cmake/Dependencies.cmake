@@ -1,14 +1,17 @@
-# Every package the project stands on, found in one place. All come from Debian 12.
-list(APPEND CMAKE_MODULE_PATH "/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB")
+# Every package that the library stands on, found in one place, by the build and by
+# find_package(sdfgrid) alike. All come from Debian 12.
 set(CMAKE_THREAD_PREFER_PTHREAD TRUE)
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
-find_package(OpenVDB REQUIRED)
 find_package(OpenMesh REQUIRED)
 find_package(fmt REQUIRED)
-find_package(CLI11 REQUIRED)
-find_package(nlohmann_json REQUIRED)
 find_path(GLM_INCLUDE_DIR glm/glm.hpp REQUIRED)
+
+# OpenVDB brings a find module where others bring a package file, and one that talks.
+list(APPEND CMAKE_MODULE_PATH "/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB")
+set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
+find_package(OpenVDB REQUIRED)
+unset(CMAKE_MESSAGE_LOG_LEVEL)
 
 # Debian's OpenImageIOConfig.cmake names tools and OpenCV headers of packages that the library does
 # not need, and fails without them: take the library and its headers directly.

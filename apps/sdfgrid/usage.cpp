@@ -38,20 +38,28 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   return near.empty() ? "" : fmt::format("; did you mean '{}'?", near);
 }
 
+// The option of `app` that a word names, also as "--name=value" and "-nvalue"; null if none does.
+const CLI::Option* find_option(const CLI::App& app, const std::string& word) {
+  const bool is_long = word.starts_with("--");
+  return app.get_option_no_throw(is_long ? word.substr(0, word.find('=')) : word.substr(0, 2));
+}
+
 // The complaint about the first option that `app` does not have, or "".
 std::string unknown_option(const CLI::App& app, const std::vector<std::string>& words) {
-  const std::vector<std::string> known = option_names(app);
+  bool is_value = false;  // of the option before it, whatever it looks like
   for (const std::string& word : words) {
     if (word == "--") break;
-    const std::string name = word.substr(0, word.find('='));
-    // Values may follow a short option in the same word: "-oOUT.vdb".
-    const bool is_short = word.size() > 2 && word[1] != '-';
-    const bool found =
-        std::find(known.begin(), known.end(), name) != known.end() ||
-        (is_short && std::find(known.begin(), known.end(), word.substr(0, 2)) != known.end());
-    if (is_option(word) && !found) {
-      return fmt::format("unknown option '{}'{}", name, did_you_mean(name, known));
+    if (is_value || !is_option(word)) {
+      is_value = false;
+      continue;
     }
+    const CLI::Option* option = find_option(app, word);
+    if (option == nullptr) {
+      const std::string name = word.substr(0, word.find('='));
+      return fmt::format("unknown option '{}'{}", name, did_you_mean(name, option_names(app)));
+    }
+    const bool holds_value = word.starts_with("--") ? word.find('=') != word.npos : word.size() > 2;
+    is_value = option->get_expected_min() > 0 && option->get_type_size() > 0 && !holds_value;
   }
   return "";
 }
