@@ -4,7 +4,10 @@
 namespace sdfgrid::cli {
 namespace {
 
-constexpr std::span<const Command> kCommands;
+constexpr Command kCommands[] = {
+    {"convert", "IN -o OUT.vdb", "turn a mesh into a sparse distance grid", add_convert},
+    {"render", "IN -o OUT.png|.exr", "show a grid or a mesh in a picture", add_render},
+};
 
 }  // namespace
 

@@ -38,19 +38,4 @@ Ray RayGenerator::ray(double x, double y) const {
   return {eye_, glm::normalize(corner_ + x * right_ + y * down_)};
 }
 
-Camera frame(const Box& box, int width, int height, double fov) {
-  Camera camera;
-  camera.width = width;
-  camera.height = height;
-  camera.fov = fov;
-  camera.target = box.center();
-  const double radius = 0.5 * glm::length(box.size());
-  const double half_height = glm::radians(fov) / 2;
-  const double half_width = std::atan(std::tan(half_height) * width / height);
-  const double half = std::min(half_height, half_width);
-  camera.eye =
-      camera.target + (radius / std::sin(half)) * glm::normalize(glm::dvec3(0.45, 0.3, 1.0));
-  return camera;
-}
-
 }  // namespace sdfgrid

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <span>
 
 #include "sdfgrid/core/lattice.h"
 
@@ -33,7 +34,23 @@ class RayGenerator {
   glm::dvec3 eye_, corner_, right_, down_;  // corner_ + x right_ + y down_ is the direction
 };
 
-// A camera that sees all of `box` from above and to the side, filling the picture.
+// From where to look at something. The side that faces an observer at turn 0 is the one towards +z
+// if y is up, and towards -y if z is up, as most modelling programs have it.
+struct View {
+  glm::dvec3 up{0, 1, 0};
+  double turn = 24;   // degrees that the observer goes round `up`, to the right
+  double tilt = 15;   // degrees that the observer is above the horizon
+  double fov = 40;    // as Camera::fov
+  double margin = 0;  // part of the half picture to leave free at each border
+};
+
+// The nearest camera of the view that sees all of `points`, which so touch two opposite borders of
+// the picture less its margin. Throws Error{usage} if there are no points, or the view makes no
+// sense.
+[[nodiscard]] Camera frame(std::span<const glm::dvec3> points, int width, int height,
+                           const View& view);
+
+// The same for the corners of a box, from above and to the side.
 [[nodiscard]] Camera frame(const Box& box, int width, int height, double fov = 40.0);
 
 }  // namespace sdfgrid

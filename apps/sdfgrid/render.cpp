@@ -1,0 +1,263 @@
+// sdfgrid render: a grid or a mesh to a picture.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numeric>
+#include <optional>
+
+#include "command.h"
+#include "options.h"
+#include "sdfgrid/core/error.h"
+#include "sdfgrid/core/parallel.h"
+#include "sdfgrid/grid/atlas.h"
+#include "sdfgrid/grid/grid.h"
+#include "sdfgrid/image/image.h"
+#include "sdfgrid/trace/camera.h"
+#include "sdfgrid/trace/curvature.h"
+#include "sdfgrid/trace/shade.h"
+#include "sdfgrid/trace/trace.h"
+
+namespace sdfgrid::cli {
+namespace {
+
+struct Options {
+  std::string input;
+  Output output;
+  int width = 1024;
+  int height = 1024;
+  std::optional<glm::dvec3> eye;
+  std::optional<glm::dvec3> target;
+  View view;
+  std::vector<std::string> aovs;
+  Look look;
+};
+
+const std::vector<std::string> kAovs = {"depth", "normal", "steps", "id", "curvature"};
+
+glm::dvec3 parse_vector(const std::string& option, const std::string& text) {
+  glm::dvec3 v;
+  int used = 0;
+  const bool three = std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &v.x, &v.y, &v.z, &used) == 3;
+  const bool finite = std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+  if (!three || static_cast<std::size_t>(used) != text.size() || !finite) {
+    throw CLI::ValidationError(option, "'" + text + "' is not three numbers as in 1,0.5,-2");
+  }
+  return v;
+}
+
+glm::dvec3 parse_direction(const std::string& option, const std::string& text) {
+  const bool minus = text.size() == 2 && text[0] == '-';
+  const std::string axis = minus ? text.substr(1) : text;
+  if (axis == "x" || axis == "y" || axis == "z") {
+    glm::dvec3 v(0.0);
+    v[axis[0] - 'x'] = minus ? -1 : 1;
+    return v;
+  }
+  const glm::dvec3 v = parse_vector(option, text);
+  if (!(glm::length(v) > 0)) throw CLI::ValidationError(option, "a direction cannot be 0,0,0");
+  return v;
+}
+
+void parse_size(const std::string& text, int& width, int& height) {
+  int used = 0;
+  const bool two = std::sscanf(text.c_str(), "%dx%d%n", &width, &height, &used) == 2;
+  if (!two || static_cast<std::size_t>(used) != text.size()) {
+    throw CLI::ValidationError("--size", "'" + text + "' is not a size as in 1024x768");
+  }
+  if (width < 1 || height < 1 || width > 32768 || height > 32768) {
+    throw CLI::ValidationError("--size", "a side must be 1 to 32768 pixels");
+  }
+}
+
+void add_camera(CLI::App& app, Options& options) {
+  const auto vector = [&](const std::string& name, auto& value, const std::string& help) {
+    return app
+        .add_option_function<std::string>(
+            name, [name, &value](const std::string& text) { value = parse_vector(name, text); },
+            help)
+        ->type_name("X,Y,Z");
+  };
+  auto* eye =
+      vector("--eye", options.eye, "where the camera is; framed on the content if not given");
+  vector("--target", options.target, "what it looks at; the content's middle if not given");
+  app.add_option_function<std::string>(
+         "--up",
+         [&options](const std::string& text) { options.view.up = parse_direction("--up", text); },
+         "direction that is up: x, y, z, -x, -y, -z or three numbers")
+      ->type_name("AXIS")
+      ->default_str("y");
+  app.add_option("--turn", options.view.turn, "degrees to go round the content, to the right")
+      ->capture_default_str()
+      ->excludes(eye);
+  app.add_option("--tilt", options.view.tilt, "degrees to look from above")
+      ->capture_default_str()
+      ->check(CLI::Range(-90.0, 90.0))
+      ->excludes(eye);
+  app.add_option("--fov", options.view.fov, "degrees that the picture's height spans")
+      ->capture_default_str()
+      ->check(CLI::Range(0.01, 179.0));
+}
+
+Atlas load(const Options& options, Context& context) {
+  return make_atlas(read_grid(options.input), context.job());
+}
+
+// The surface's points in world units.
+std::vector<glm::dvec3> world_points(const Atlas& atlas, const std::vector<glm::vec3>& points) {
+  std::vector<glm::dvec3> world(points.size());
+  const glm::dvec3 base(atlas.lo * Atlas::kBrick);
+  std::transform(points.begin(), points.end(), world.begin(),
+                 [&](const glm::vec3& p) { return atlas.lattice.to_world(base + glm::dvec3(p)); });
+  return world;
+}
+
+// The camera asked for; what is not said is chosen so that the content fills the picture.
+Camera choose_camera(const Options& options, std::vector<glm::dvec3> content) {
+  if (content.empty()) content.assign({glm::dvec3(-1), glm::dvec3(1)});
+  Camera camera = frame(content, options.width, options.height, options.view);
+  if (options.eye) {
+    Box box;
+    for (const glm::dvec3& point : content) box.add(point);
+    camera.target = options.target.value_or(box.center());
+    camera.eye = *options.eye;
+  } else if (options.target) {
+    camera.eye += *options.target - camera.target;
+    camera.target = *options.target;
+  }
+  return camera;
+}
+
+// What the channels of an AOV are called in an EXR.
+std::vector<std::string> channels_of(const std::string& aov) {
+  if (aov == "depth") return {"depth.Z"};
+  if (aov == "normal") return {"normal.X", "normal.Y", "normal.Z"};
+  if (aov == "steps") return {"steps.N"};
+  if (aov == "id") return {"id.I"};
+  return {"curvature.K"};
+}
+
+struct Rendering {
+  Camera camera;
+  HitBuffer hits;
+  Picture picture;
+};
+
+void fill_aov(const std::string& aov, const Atlas& atlas, const Rendering& r, std::size_t pixel,
+              float* out) {
+  const bool hit = std::isfinite(r.hits.depth[pixel]);
+  if (aov == "depth") {
+    *out = r.hits.depth[pixel];
+  } else if (aov == "normal") {
+    for (int a = 0; a < 3; ++a) out[a] = r.picture.normal[pixel][a];
+  } else if (aov == "steps") {
+    *out = r.hits.steps[pixel];
+  } else if (aov == "id") {
+    *out = hit ? 1.0F : 0.0F;
+  } else if (hit) {
+    const auto x = static_cast<double>(pixel % r.hits.width);
+    const auto y = static_cast<double>(pixel / r.hits.width);
+    const Ray ray = RayGenerator(r.camera).ray(x + 0.5, y + 0.5);
+    *out = mean_curvature_at(atlas, ray.origin + double(r.hits.depth[pixel]) * ray.direction);
+  }
+}
+
+Image make_image(const Options& options, const Atlas& atlas, const Rendering& r, const Job& job) {
+  Image image{r.hits.width, r.hits.height, {"R", "G", "B"}, {}};
+  for (const std::string& aov : options.aovs) {
+    for (const std::string& name : channels_of(aov)) image.channels.push_back(name);
+  }
+  const std::size_t stride = image.channels.size();
+  image.pixels.resize(r.hits.size() * stride);
+  parallel_for(r.hits.size(), 4096, job, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t pixel = begin; pixel < end; ++pixel) {
+      float* out = image.pixels.data() + pixel * stride;
+      for (int a = 0; a < 3; ++a) *out++ = r.picture.color[pixel][a];
+      for (const std::string& aov : options.aovs) {
+        fill_aov(aov, atlas, r, pixel, out);
+        out += channels_of(aov).size();
+      }
+    }
+  });
+  return image;
+}
+
+void report(const Rendering& r, const Stopwatch& watch, Context& context) {
+  const auto hits = static_cast<std::size_t>(std::count_if(
+      r.hits.depth.begin(), r.hits.depth.end(), [](float d) { return std::isfinite(d); }));
+  const auto steps = std::accumulate(r.hits.steps.begin(), r.hits.steps.end(), std::uint64_t{0});
+  Json& result = context.result();
+  result["width"] = r.hits.width;
+  result["height"] = r.hits.height;
+  result["rays"] = r.hits.size();
+  result["hits"] = hits;
+  result["steps_mean"] = static_cast<double>(steps) / static_cast<double>(r.hits.size());
+  result["steps_max"] = *std::max_element(r.hits.steps.begin(), r.hits.steps.end());
+  result["refined"] = r.picture.refined;
+  result["seconds"] = watch.seconds();
+}
+
+void check_aovs(const Options& options) {
+  if (options.aovs.empty() || holds_any_channel(options.output.path)) return;
+  throw Error(ErrorKind::usage, options.output.path +
+                                    ": --aov adds channels to an EXR, which a PNG cannot hold; "
+                                    "name the output .exr");
+}
+
+Exit run(const Options& options, Context& context) {
+  check_output(options.output);
+  check_aovs(options);
+  const Job& job = context.job();
+  Stopwatch watch;
+  const Atlas atlas = load(options, context);
+  watch.lap("load");
+
+  const Surroundings surroundings = make_surroundings(atlas, job);
+  Rendering r;
+  r.camera = choose_camera(options, world_points(atlas, surroundings.points));
+  watch.lap("shade");
+  if (surroundings.points.empty()) {
+    context.warn(options.input + " has no surface: the picture shows the background only");
+  } else if (distance_at(atlas, r.camera.eye) < 0) {
+    context.warn("the camera is inside the object, where no light comes");
+  }
+  r.hits = trace_primary(atlas, r.camera, job);
+  watch.lap("trace");
+  r.picture = shade(atlas, surroundings, r.camera, r.hits, options.look, job);
+  watch.lap("shade");
+  write_image(options.output.path, make_image(options, atlas, r, job));
+  watch.lap("write");
+  report(r, watch, context);
+  return Exit::done;
+}
+
+}  // namespace
+
+Run add_render(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  options->view.margin = 0.08;
+  app.add_option("IN", options->input, "grid (.vdb) to show")->required();
+  add_output(app, options->output, image_extensions());
+  app.add_option_function<std::string>(
+         "--size",
+         [options](const std::string& text) { parse_size(text, options->width, options->height); },
+         "pixels of the picture")
+      ->type_name("WxH")
+      ->default_str("1024x1024");
+  add_camera(app, *options);
+  app.add_option("--aov", options->aovs, "further channels of an .exr: " + one_of(kAovs))
+      ->delimiter(',')
+      ->each([](const std::string& word) {
+        if (std::find(kAovs.begin(), kAovs.end(), word) == kAovs.end()) {
+          refuse_choice("--aov", word, kAovs);
+        }
+      });
+  app.add_option("--samples", options->look.samples,
+                 "rays for a pixel with an edge in it; 1 for no antialiasing")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 256));
+  app.add_flag("!--no-floor", options->look.floor, "no shadow under the content");
+  return [options](Context& context) { return run(*options, context); };
+}
+
+}  // namespace sdfgrid::cli
