@@ -30,6 +30,11 @@ class RayGenerator {
   explicit RayGenerator(const Camera& camera);
   [[nodiscard]] Ray ray(double x, double y) const;
 
+  // The direction through (x, y), before it gets unit length, is corner + x right + y down.
+  [[nodiscard]] const glm::dvec3& corner() const { return corner_; }
+  [[nodiscard]] const glm::dvec3& right() const { return right_; }
+  [[nodiscard]] const glm::dvec3& down() const { return down_; }
+
  private:
   glm::dvec3 eye_, corner_, right_, down_;  // corner_ + x right_ + y down_ is the direction
 };
