@@ -1,14 +1,15 @@
 # What `cmake --install` puts where, and what find_package(sdfgrid) finds.
 include(CMakePackageConfigHelpers)
 
-# Public headers are all but those that say "(not installed)" in the comment that opens them.
+# Public headers are all but those that say "(not installed)" or "internal to" in the comment that
+# opens them.
 file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/libsdfgrid/*/*.h)
 set(SDFGRID_PUBLIC_HEADERS "")
 foreach(header IN LISTS headers)
   file(READ ${header} text LIMIT 4096)
   string(FIND "${text}" "#pragma once" end)
   string(SUBSTRING "${text}" 0 ${end} opening)
-  if(NOT opening MATCHES "not[ \n/]+installed")
+  if(NOT opening MATCHES "not[ \n/]+installed|[Ii]nternal[ \n/]+to")
     file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR}/libsdfgrid ${header})
     list(APPEND SDFGRID_PUBLIC_HEADERS ${name})
   endif()

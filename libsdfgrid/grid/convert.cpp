@@ -14,11 +14,14 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <memory>
+#include <sstream>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/grid/vdb.h"
 #include "sdfgrid/voxelize/empty_space.h"
+#include "sdfgrid/voxelize/mesh_voxelizer.h"
+#include "sdfgrid/voxelize/mesh_voxelizer.h"
 
 namespace sdfgrid {
 namespace {
@@ -71,12 +74,23 @@ NodeLeaves run_node(const MeshVoxelizer& voxelizer, std::size_t node, const Job&
   return leaves;
 }
 
+// OpenVDB refuses to construct a map whose voxels are below 1.4e-5 (their volume looks like zero to it),
+// but reads one from a file. Its record holds vectors that follow from the scale and the translation.
+openvdb::math::Transform::Ptr make_transform(const Lattice& lattice) {
+  const openvdb::Vec3d translation(lattice.origin.x, lattice.origin.y, lattice.origin.z);
+  const double h = lattice.voxel;
+  std::stringstream record;
+  translation.write(record);
+  for (const double v : {h, h, 1 / h, 1 / (h * h), 0.5 / h}) openvdb::Vec3d(v).write(record);
+  const auto map = std::make_shared<openvdb::math::UniformScaleTranslateMap>();
+  map->read(record);
+  return std::make_shared<openvdb::math::Transform>(map);
+}
+
 openvdb::FloatGrid::Ptr make_vdb(const Lattice& lattice, const Band& band, SignMethod sign) {
   openvdb::initialize();
   const auto grid = openvdb::FloatGrid::create(static_cast<float>(band.exwidth * lattice.voxel));
-  auto transform = openvdb::math::Transform::createLinearTransform(lattice.voxel);
-  transform->postTranslate({lattice.origin.x, lattice.origin.y, lattice.origin.z});
-  grid->setTransform(transform);
+  grid->setTransform(make_transform(lattice));
   grid->setName("surface");
   const bool is_signed = sign != SignMethod::no_sign;
   grid->setGridClass(is_signed ? openvdb::GRID_LEVEL_SET : openvdb::GRID_UNKNOWN);
@@ -161,7 +175,8 @@ Lattice choose_lattice(const TriangleSoup& soup, const ConvertOptions& options) 
 std::size_t estimate_memory(const TriangleSoup& soup, const Lattice& lattice, const Band& band) {
   const double width = band.exwidth + band.inwidth;
   const double area = surface_area(soup) / (lattice.voxel * lattice.voxel);
-  const glm::dvec3 size = bounds(soup).size() / lattice.voxel + width;
+  const Box box = bounds(soup);
+  const glm::dvec3 size = box.empty() ? glm::dvec3(0) : box.size() / lattice.voxel + width;
   // A flat band `width` thick touches about (width + 12) / 512 bricks of 8^3 for each square voxel;
   // a crumpled mesh cannot touch more than fill its box.
   const double bricks = std::min(area * (width + 12) / 512 + 8,

@@ -7,8 +7,8 @@
 #include "sdfgrid/core/job.h"
 #include "sdfgrid/grid/grid.h"
 #include "sdfgrid/mesh/soup.h"
+#include "sdfgrid/voxelize/band.h"
 #include "sdfgrid/voxelize/mesh_sign.h"
-#include "sdfgrid/voxelize/mesh_voxelizer.h"
 
 namespace sdfgrid {
 

@@ -1,5 +1,5 @@
 // voxelize/brick_sign.h: signs of the 512 samples of a brick, from few exact decisions: a decision
-// holds for all samples that can be reached without crossing the surface.
+// holds for all samples that can be reached without crossing the surface (not installed).
 #pragma once
 
 #include <array>

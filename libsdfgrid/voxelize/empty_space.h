@@ -1,6 +1,7 @@
 // voxelize/empty_space.h: signs where no triangle is near, for meshes with holes. There the border
 // between inside and outside runs through empty space, so no neighbour's sign can be copied: the
-// winding number decides, box by box, each box as large as one decision holds for.
+// winding number decides, box by box, each box as large as one decision holds for
+// (not installed).
 #pragma once
 
 #include <glm/vec3.hpp>

@@ -1,6 +1,6 @@
 // voxelize/mesh_voxelizer.h: exact signed distances to a mesh at the lattice points beside it,
-// brick by brick. Bricks come out one at a time and are not kept here: who calls decides where they
-// go.
+// brick by brick (not installed). Bricks come out one at a time and are not kept here: who calls
+// decides where they go.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,11 @@
 
 #include "sdfgrid/core/job.h"
 #include "sdfgrid/core/lattice.h"
+#include "sdfgrid/voxelize/band.h"
 #include "sdfgrid/voxelize/mesh_sign.h"
 #include "sdfgrid/voxelize/node_bins.h"
 
 namespace sdfgrid {
-
-struct Band {
-  double exwidth = 3.0;  // voxels outside the surface, >= 1
-  double inwidth = 3.0;  // voxels inside, >= 1
-};
 
 // One brick of 8^3 samples with at least one in the band; z fastest.
 struct Brick {

@@ -1,5 +1,6 @@
 // voxelize/node_bins.h: which triangles reach which part of the lattice, in two levels (nodes of
-// 16^3 bricks, bricks of 8^3 samples), so that work and memory follow the surface and not its box.
+// 16^3 bricks, bricks of 8^3 samples), so that work and memory follow the surface and not its box
+// (not installed).
 #pragma once
 
 #include <cstdint>

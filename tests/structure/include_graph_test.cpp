@@ -47,7 +47,7 @@ const std::vector<HeavyPackage>& heavy_packages() {
 struct Source {
   std::string path;  // "libsdfgrid/grid/grid.h"
   std::vector<std::string> includes;
-  bool installed = false;  // a header without "(not installed)" in its opening comment
+  bool installed = false;  // a header that is neither "(not installed)" nor "internal to" a room
 };
 
 Source read_source(const fs::path& file) {
@@ -64,7 +64,8 @@ Source read_source(const fs::path& file) {
   const std::string all = text.str();
   const std::string opening = all.substr(0, all.find("#pragma once"));
   source.installed =
-      file.extension() == ".h" && !std::regex_search(opening, std::regex("not[ \n/]+installed"));
+      file.extension() == ".h" &&
+      !std::regex_search(opening, std::regex("not[ \n/]+installed|[Ii]nternal[ \n/]+to"));
   return source;
 }
 
