@@ -102,7 +102,7 @@ Polygons read_binary(const Source& source, std::size_t at, std::endian order) {
   mesh.sizes.reserve(faces);
   for (std::uint64_t i = 0; i < points; ++i) {
     pace.at(scanner.at());
-    glm::dvec3& p = mesh.points.emplace_back();
+    glm::dvec3& p = mesh.points.emplace_back(0.0);
     for (int axis = 0; axis < 3; ++axis) {
       p[axis] = scanner.next<float>();
       if (!std::isfinite(p[axis])) {

@@ -120,7 +120,7 @@ class Rows {
 
  private:
   void point(const PlyElement& element) {
-    glm::dvec3& p = mesh_.points.emplace_back();
+    glm::dvec3& p = mesh_.points.emplace_back(0.0);
     for (int i = 0; i < static_cast<int>(element.properties.size()); ++i) {
       const PlyProperty& property = element.properties[i];
       if (i != axis_of_[0] && i != axis_of_[1] && i != axis_of_[2]) {

@@ -1,0 +1,144 @@
+#include "sdfgrid/mesh/orient.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "property/random_meshes.h"
+
+namespace sdfgrid {
+namespace {
+
+using shapes::flipped;
+using shapes::icosphere;
+using shapes::joined;
+
+std::vector<double> volumes(const TriangleSoup& soup, const MeshDiagnosis& diagnosis) {
+  std::vector<double> result(diagnosis.components, 0.0);
+  for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
+    const glm::uvec3& corner = soup.triangles[t];
+    result[diagnosis.component[t]] +=
+        glm::dot(soup.local(corner.x), glm::cross(soup.local(corner.y), soup.local(corner.z))) /
+        6.0;
+  }
+  return result;
+}
+
+// Orients, and returns for each component whether it faces outward.
+std::vector<bool> oriented(TriangleSoup& soup, std::vector<std::string>* warnings = nullptr) {
+  const MeshDiagnosis diagnosis = diagnose(soup);
+  const std::vector<std::string> said = orient_closed_components(soup, diagnosis);
+  if (warnings != nullptr) *warnings = said;
+  std::vector<bool> outward;
+  for (const double v : volumes(soup, diagnosis)) outward.push_back(v > 0.0);
+  return outward;
+}
+
+TEST(Orient, TurnsAnInsideOutSphere) {
+  TriangleSoup soup = flipped(icosphere(2, 1.0));
+  std::vector<std::string> warnings;
+  EXPECT_EQ(oriented(soup, &warnings), std::vector<bool>{true});
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0], "turned the mesh: it was inside out");
+}
+
+TEST(Orient, LeavesASphereAlone) {
+  TriangleSoup soup = icosphere(2, 1.0);
+  const TriangleSoup before = soup;
+  std::vector<std::string> warnings;
+  EXPECT_EQ(oriented(soup, &warnings), std::vector<bool>{true});
+  EXPECT_TRUE(warnings.empty());
+  EXPECT_EQ(soup.triangles, before.triangles);
+}
+
+TEST(Orient, NestedShellsStayHollowFromAllFourOrientations) {
+  const TriangleSoup outer = icosphere(2, 1.0);
+  const TriangleSoup inner = icosphere(3, 0.5, {0.2, 0.1, 0.0});
+  for (const bool turn_outer : {false, true}) {
+    for (const bool turn_inner : {false, true}) {
+      TriangleSoup soup =
+          joined(turn_outer ? flipped(outer) : outer, turn_inner ? flipped(inner) : inner);
+      std::vector<std::string> warnings;
+      EXPECT_EQ(oriented(soup, &warnings), (std::vector<bool>{true, false}));
+      const int turned = int(turn_outer) + int(!turn_inner);
+      ASSERT_EQ(warnings.size(), turned > 0 ? 1U : 0U);
+      if (turned > 0) {
+        EXPECT_TRUE(warnings[0].starts_with("turned " + std::to_string(turned) + " of 2 closed"));
+      }
+    }
+  }
+}
+
+TEST(Orient, ThreeShellsDeepInAnyOrder) {
+  for (const bool inside_first : {false, true}) {
+    TriangleSoup soup;
+    for (int level = 0; level < 4; ++level) {
+      const int i = inside_first ? 3 - level : level;
+      soup = joined(soup, icosphere(2, 4.0 - i, {0.1 * i, 0.0, -0.05 * i}));
+    }
+    const std::vector<bool> expected = inside_first ? std::vector<bool>{false, true, false, true}
+                                                    : std::vector<bool>{true, false, true, false};
+    EXPECT_EQ(oriented(soup), expected);
+  }
+}
+
+// Lines through corners and along faces: every coordinate of both boxes is met exactly.
+TEST(Orient, BoxesOnOneLattice) {
+  TriangleSoup soup = shapes::box_mesh({0, 0, 0}, {9, 9, 9});
+  for (int i = 1; i < 8; i += 2) {
+    for (int j = 1; j < 8; j += 2) {
+      for (int k = 1; k < 8; k += 2) {
+        soup = joined(soup, shapes::box_mesh({i, j, k}, {i + 1, j + 1, k + 1}));
+      }
+    }
+  }
+  std::vector<bool> expected(65, false);
+  expected[0] = true;
+  EXPECT_EQ(oriented(soup), expected);
+}
+
+TEST(Orient, ComponentsThatOverlapOrTouchFaceOutward) {
+  TriangleSoup soup = joined(icosphere(3, 1.0), flipped(icosphere(3, 1.0, {0.7, 0.2, 0.1})));
+  EXPECT_EQ(oriented(soup), (std::vector<bool>{true, true}));
+  TriangleSoup boxes = joined(flipped(shapes::box_mesh({0, 0, 0}, {1, 1, 1})),
+                              shapes::box_mesh({1, 0, 0}, {2, 1, 1}));
+  EXPECT_EQ(oriented(boxes), (std::vector<bool>{true, true}));
+}
+
+TEST(Orient, ATorusInTheHoleOfATorusIsNotInIt) {
+  TriangleSoup soup = joined(shapes::torus_mesh(3.0, 0.5), shapes::torus_mesh(1.5, 0.5));
+  EXPECT_EQ(oriented(soup), (std::vector<bool>{true, true}));
+}
+
+TEST(Orient, ThousandsOfBubbles) {
+  shapes::Random random(5);
+  TriangleSoup soup = icosphere(5, 40.0);
+  std::vector<bool> expected = {true};
+  for (int i = -8; i < 8; ++i) {
+    for (int j = -8; j < 8; ++j) {
+      for (int k = -8; k < 8; ++k) {
+        if (i * i + j * j + k * k > 90) continue;
+        const TriangleSoup bubble = icosphere(0, 1.0, {4.0 * i, 4.0 * j, 4.0 * k});
+        soup = joined(std::move(soup), random.unit() < 0.5 ? bubble : flipped(bubble));
+        expected.push_back(false);
+      }
+    }
+  }
+  ASSERT_GT(expected.size(), 2000U);
+  EXPECT_EQ(oriented(soup), expected);
+}
+
+TEST(Orient, LeavesOtherMeshesAlone) {
+  TriangleSoup open = flipped(icosphere(2, 1.0));
+  open.triangles.pop_back();
+  TriangleSoup inconsistent = flipped(icosphere(2, 1.0));
+  std::swap(inconsistent.triangles[0].y, inconsistent.triangles[0].z);
+  for (TriangleSoup* soup : {&open, &inconsistent}) {
+    const TriangleSoup before = *soup;
+    EXPECT_TRUE(orient_closed_components(*soup, diagnose(*soup)).empty());
+    EXPECT_EQ(soup->triangles, before.triangles);
+  }
+}
+
+}  // namespace
+}  // namespace sdfgrid
