@@ -1,6 +1,7 @@
 #include "sdfgrid/grid/convert.h"
 
 #include <fmt/format.h>
+#include <openvdb/io/io.h>
 #include <openvdb/tools/SignedFloodFill.h>
 #include <unistd.h>
 
@@ -20,7 +21,6 @@
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/grid/vdb.h"
 #include "sdfgrid/voxelize/empty_space.h"
-#include "sdfgrid/voxelize/mesh_voxelizer.h"
 #include "sdfgrid/voxelize/mesh_voxelizer.h"
 
 namespace sdfgrid {
@@ -74,17 +74,20 @@ NodeLeaves run_node(const MeshVoxelizer& voxelizer, std::size_t node, const Job&
   return leaves;
 }
 
-// OpenVDB refuses to construct a map whose voxels are below 1.4e-5 (their volume looks like zero to it),
-// but reads one from a file. Its record holds vectors that follow from the scale and the translation.
+// OpenVDB refuses to construct a map whose voxels are below 1.4e-5 (their volume looks like zero to
+// it), but reads one from a file. Its record holds vectors that follow from the scale and the
+// translation.
 openvdb::math::Transform::Ptr make_transform(const Lattice& lattice) {
   const openvdb::Vec3d translation(lattice.origin.x, lattice.origin.y, lattice.origin.z);
   const double h = lattice.voxel;
   std::stringstream record;
+  openvdb::io::setCurrentVersion(record);
+  openvdb::writeString(record, openvdb::math::UniformScaleTranslateMap::mapType());
   translation.write(record);
   for (const double v : {h, h, 1 / h, 1 / (h * h), 0.5 / h}) openvdb::Vec3d(v).write(record);
-  const auto map = std::make_shared<openvdb::math::UniformScaleTranslateMap>();
-  map->read(record);
-  return std::make_shared<openvdb::math::Transform>(map);
+  auto transform = std::make_shared<openvdb::math::Transform>();
+  transform->read(record);
+  return transform;
 }
 
 openvdb::FloatGrid::Ptr make_vdb(const Lattice& lattice, const Band& band, SignMethod sign) {

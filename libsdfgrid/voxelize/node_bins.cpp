@@ -12,7 +12,8 @@
 namespace sdfgrid {
 namespace {
 
-constexpr double kFlat = 1e-6;  // voxels
+constexpr double kSlack = 1e-3;  // voxels; culling must not fail by rounding
+constexpr double kFlat = 1e-6;   // voxels
 constexpr double kLargestIndex = 1e8;
 
 // From the centre of a block of `edge` samples a side to its furthest sample.
@@ -86,8 +87,8 @@ bool reaches(const BrickKernel& kernel, const TriangleRecord& record, const glm:
     support += 0.5 * (edge - 1) * std::abs(normal[a]);
     height += normal[a] * center[a];
   }
-  if (std::abs(height) > reach + support) return false;
-  const double limit = reach + block_radius(edge);
+  if (std::abs(height) > reach + support + kSlack) return false;
+  const double limit = reach + block_radius(edge) + kSlack;
   return kernel.squared_distance(record, center) <= limit * limit;
 }
 

@@ -2,6 +2,7 @@
 // the grid.
 #include "sdfgrid/grid/convert.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/VolumeToMesh.h>
