@@ -1,5 +1,6 @@
 #include "sdfgrid/mesh/winding.h"
 
+#include <limits>
 #include <stdexcept>
 
 #include "sdfgrid/core/isa.h"
@@ -12,6 +13,9 @@ namespace {
 // The bound that one expansion keeps. Bounds are pessimistic and errors of neighbours cancel: with
 // this, the sum over all expansions of a query stays below tolerance() by far (docs/methods.md).
 constexpr double kExpansionError = 1e-3;
+
+// How finely the boundary is taken apart at most: more makes the gradient's bound hardly lower.
+constexpr double kFinestOpening = 0.4;
 
 winding::Evaluate kernel() {
   switch (active_isa()) {
@@ -59,8 +63,16 @@ void WindingNumber::at(std::span<const glm::dvec3> locals, std::span<double> out
   }
 }
 
-double WindingNumber::gradient_bound(const glm::dvec3& center, double radius, double limit) const {
-  return parts_->boundary.gradient_bound(center, radius, limit);
+double WindingNumber::gradient_bound(const glm::dvec3& center, double radius) const {
+  constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+  return parts_->boundary.gradient_bound(center, radius, kFinestOpening, kNoLimit);
+}
+
+bool WindingNumber::gradient_below(const glm::dvec3& center, double radius, double limit) const {
+  for (const double opening : {4.0, 1.0, kFinestOpening}) {
+    if (parts_->boundary.gradient_bound(center, radius, opening, limit) <= limit) return true;
+  }
+  return false;
 }
 
 bool WindingNumber::closed() const { return parts_->boundary.empty(); }

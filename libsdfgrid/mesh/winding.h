@@ -10,7 +10,6 @@
 #pragma once
 
 #include <glm/vec3.hpp>
-#include <limits>
 #include <memory>
 #include <span>
 
@@ -43,9 +42,12 @@ class WindingNumber {
   // Upper bound on the length of the exact winding number's gradient, per unit of local length,
   // over the ball, apart from the jumps across triangles. +inf when a boundary edge enters the
   // ball; 0 everywhere if closed(): then the winding number is constant wherever no triangle is
-  // crossed. With a `limit` it gives up early: what exceeds it may come back as +inf.
-  [[nodiscard]] double gradient_bound(const glm::dvec3& center, double radius,
-                                      double limit = std::numeric_limits<double>::infinity()) const;
+  // crossed.
+  [[nodiscard]] double gradient_bound(const glm::dvec3& center, double radius) const;
+
+  // Whether that gradient is shown to be at most `limit`: the same question, but no more of the
+  // boundary is looked at than the answer needs, so ask this where the boundary has many edges.
+  [[nodiscard]] bool gradient_below(const glm::dvec3& center, double radius, double limit) const;
 
   // Whether every edge is passed as often one way as the other, so that there is no boundary.
   [[nodiscard]] bool closed() const;

@@ -12,8 +12,6 @@ namespace sdfgrid::winding {
 namespace {
 
 constexpr std::uint32_t kLeafEdges = 4;
-// A tree node whose diagonal is below this part of its distance is taken whole.
-constexpr double kOpening = 0.4;
 
 // An edge between point indices lo < hi, passed `times` more often upwards than downwards.
 struct IndexEdge {
@@ -164,7 +162,8 @@ std::uint32_t Boundary::build(std::uint32_t begin, std::uint32_t end) {
 // A node far away is bounded in two ways, and the less of both taken: all its length at the box's
 // distance D; or its net current at D plus what the kernel x / |x|^3 changes between the box's
 // centre and an edge, at most 2 / D^3 times their distance.
-double Boundary::gradient_bound(const glm::dvec3& center, double radius, double limit) const {
+double Boundary::gradient_bound(const glm::dvec3& center, double radius, double opening,
+                                double limit) const {
   const double enough = 4.0 * std::numbers::pi * limit;
   double sum = 0.0;
   std::array<std::uint32_t, 64> stack;
@@ -174,7 +173,7 @@ double Boundary::gradient_bound(const glm::dvec3& center, double radius, double 
     const std::uint32_t index = stack[--waiting];
     const Node& node = nodes_[index];
     const double distance = distance_to_box(node.box, center) - radius;
-    if (distance > 0.0 && glm::length(node.box.size()) < kOpening * distance) {
+    if (distance > 0.0 && glm::length(node.box.size()) < opening * distance) {
       const double d2 = distance * distance;
       const double with_current = glm::length(node.current) + 2.0 * node.spread / distance;
       sum += std::min(node.length, with_current) / d2;

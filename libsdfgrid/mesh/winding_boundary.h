@@ -29,8 +29,10 @@ class Boundary {
   [[nodiscard]] bool empty() const { return edges_.empty(); }
 
   // At least (1 / 4 pi) times the integral over the boundary of times / distance^2, for every point
-  // of the ball; +inf if an edge enters it, or if that is found to be above `limit`.
-  [[nodiscard]] double gradient_bound(const glm::dvec3& center, double radius, double limit) const;
+  // of the ball; +inf if an edge enters it, or once that is seen to exceed `limit`. A tree node
+  // whose diagonal is below `opening` times its distance from the ball is taken whole.
+  [[nodiscard]] double gradient_bound(const glm::dvec3& center, double radius, double opening,
+                                      double limit) const;
 
  private:
   struct Node {
