@@ -11,8 +11,10 @@
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/grid/atlas.h"
+#include "sdfgrid/grid/convert.h"
 #include "sdfgrid/grid/grid.h"
 #include "sdfgrid/image/image.h"
+#include "sdfgrid/mesh/read.h"
 #include "sdfgrid/trace/camera.h"
 #include "sdfgrid/trace/curvature.h"
 #include "sdfgrid/trace/shade.h"
@@ -24,6 +26,7 @@ namespace {
 struct Options {
   std::string input;
   Output output;
+  int dim = 0;  // of the grid that a mesh is converted to; 0: as the picture needs
   int width = 1024;
   int height = 1024;
   std::optional<glm::dvec3> eye;
@@ -99,8 +102,17 @@ void add_camera(CLI::App& app, Options& options) {
       ->check(CLI::Range(0.01, 179.0));
 }
 
-Atlas load(const Options& options, Context& context) {
-  return make_atlas(read_grid(options.input), context.job());
+// The grid itself, or the mesh converted: two pixels or so a voxel, finer would not show.
+Grid load(const Options& options, Context& context) {
+  if (extension_of(options.input) == ".vdb") return read_grid(options.input);
+  const MeshFile mesh = read_mesh(options.input, context.job());
+  for (const std::string& warning : mesh.warnings) context.warn(warning);
+  ConvertOptions convert;
+  const int pixels = std::max(options.width, options.height);
+  convert.dim = options.dim > 0 ? options.dim : std::clamp(pixels / 2, 64, 2048);
+  Conversion conversion = convert_mesh(mesh.soup, convert, context.job());
+  for (const std::string& warning : conversion.warnings) context.warn(warning);
+  return conversion.grid;
 }
 
 // The surface's points in world units.
@@ -209,7 +221,7 @@ Exit run(const Options& options, Context& context) {
   check_aovs(options);
   const Job& job = context.job();
   Stopwatch watch;
-  const Atlas atlas = load(options, context);
+  const Atlas atlas = make_atlas(load(options, context), job);
   watch.lap("load");
 
   const Surroundings surroundings = make_surroundings(atlas, job);
@@ -236,7 +248,7 @@ Exit run(const Options& options, Context& context) {
 Run add_render(CLI::App& app) {
   auto options = std::make_shared<Options>();
   options->view.margin = 0.08;
-  app.add_option("IN", options->input, "grid (.vdb) to show")->required();
+  app.add_option("IN", options->input, "grid (.vdb) or mesh to show")->required();
   add_output(app, options->output, image_extensions());
   app.add_option_function<std::string>(
          "--size",
@@ -244,6 +256,9 @@ Run add_render(CLI::App& app) {
          "pixels of the picture")
       ->type_name("WxH")
       ->default_str("1024x1024");
+  app.add_option("--dim", options->dim,
+                 "voxels along a mesh's longest side; half the picture's size if not given")
+      ->check(CLI::Range(2, 1 << 20));
   add_camera(app, *options);
   app.add_option("--aov", options->aovs, "further channels of an .exr: " + one_of(kAovs))
       ->delimiter(',')

@@ -14,7 +14,8 @@ struct V16 {
 
 inline F16 dot(const V16& a, const V16& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline F16 dot(const V16& a, const float* b) { return a.x * b[0] + a.y * b[1] + a.z * b[2]; }
-inline F16 clamp(F16 v, float lo, float hi) { return min(max(v, splat(lo)), splat(hi)); }
+inline F16 clamp(F16 v, F16 lo, F16 hi) { return min(max(v, lo), hi); }
+inline F16 clamp(F16 v, float lo, float hi) { return clamp(v, splat(lo), splat(hi)); }
 inline F16 mix(F16 a, F16 b, F16 t) { return a + t * (b - a); }
 inline F16 smooth(F16 t) { return t * t * (3.0F - 2.0F * t); }
 inline V16 along(const V16& p, const V16& d, F16 t) {
@@ -121,19 +122,21 @@ inline F16 sun(const VisibilityScene& s, const V16& from, const V16& normal) {
   const V16 direction = {splat(s.sun[0]), splat(s.sun[1]), splat(s.sun[2])};
   I16 active = dot(normal, s.sun) > 0.0F;
   F16 open = splat(1.0F);
-  F16 before = splat(1e20F);
+  F16 before = splat(1e18F);  // the field at the step before; so large that the first cuts nothing
+  F16 stride = splat(1.0F);   // since then
   F16 t = splat(1.0F);
   for (int step = 0; step < kMaxSteps && any(active); ++step) {
     const F16 value = field(s, along(from, direction, t));
-    // If the spheres of this step and the one before cut each other, they do so `back` before t,
-    // and there the surface may be closest to the ray.
-    const F16 cut = value * value / (2.0F * before);
-    const F16 back = select(cut < min(value, t), cut, splat(0.0F));
+    // Where the empty spheres of the two steps cut each other, `back` before t, the surface may be
+    // closest to the ray. That is a guess: it may at most halve the passage.
+    const F16 cut = (stride * stride + value * value - before * before) / (2.0F * stride);
+    const F16 back = clamp(cut, splat(0.0F), min(0.87F * value, stride));
     const F16 closest = sqrt(max(value * value - back * back, splat(0.0F)));
     const F16 passage = closest / max(s.sun_tan * (t - back), splat(1e-3F));
     open = select(active, min(open, select(value > 0.0F, passage, splat(0.0F))), open);
-    before = max(value, splat(1e-3F));
-    t += max(0.85F * value, 0.5F + 0.02F * t);
+    before = value;
+    stride = max(0.85F * value, 0.5F + 0.02F * t);
+    t += stride;
     active = active & (open > 0.01F) & (t < s.sun_reach);
   }
   return smooth(clamp(open, 0.0F, 1.0F));
