@@ -12,6 +12,8 @@ namespace sdfgrid::SDFGRID_ISA {
 namespace {
 
 constexpr float kSegment = 256;
+// A root where the field changes by less than this many tolerances a cell is left to double.
+constexpr float kSteep = 64;
 constexpr int kBrick = 8;
 constexpr int kEdge = 9;
 constexpr int kSamples = kEdge * kEdge * kEdge;
@@ -227,7 +229,7 @@ inline Bracket first_bracket(const Cubic& cubic, F16 length, float tolerance) {
 
 // The root in the brackets of `wanted` lanes: Newton's method from the chord's, kept in the
 // bracket.
-inline F16 refine(const Cubic& cubic, Bracket& b, I16 wanted) {
+inline F16 refine(const Cubic& cubic, Bracket& b, I16 wanted, float steep) {
   constexpr int kRounds = 24;
   const F16 close = 1e-6F * (b.hi - b.lo) + 1e-6F;
   F16 s = b.lo + (b.hi - b.lo) * (b.at_lo / (b.at_lo - b.at_hi));
@@ -245,7 +247,8 @@ inline F16 refine(const Cubic& cubic, Bracket& b, I16 wanted) {
     open &= ~done;
     if (!any(open)) break;
   }
-  b.unsure |= open;
+  // A grazing root moves far with a small error.
+  b.unsure |= open | (abs(cubic.derivative(s)) < steep);
   return s;
 }
 
@@ -267,7 +270,7 @@ inline void solve(const PacketScene& scene, const Rays& rays, I16 inside, const 
   Bracket bracket = first_bracket(cubic, exit - state.t, scene.tolerance);
   I16 found = state.arrived & bracket.found & ~bracket.unsure;
   if (any(found)) {
-    const F16 s = refine(cubic, bracket, found);
+    const F16 s = refine(cubic, bracket, found, kSteep * scene.tolerance);
     found &= ~bracket.unsure;
     const std::uint32_t bits_found = bits(found);
     double t[kLanes];

@@ -2,10 +2,11 @@
 // packet is unsure one by one in double.
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <limits>
 
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/trace/beam.h"
 #include "sdfgrid/trace/packet_kernel.h"
 #include "sdfgrid/trace/trace.h"
 #include "sdfgrid/trace/walk.h"
@@ -15,6 +16,7 @@ namespace {
 
 constexpr int kTile = 16;  // pixels a side
 constexpr int kPacket = 4;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // One picture's worth of constants.
 class Tracer {
@@ -26,26 +28,33 @@ class Tracer {
               atlas.samples.data(),
               {atlas.dims.x, atlas.dims.y, atlas.dims.z},
               tolerance()};
-    const glm::dvec3 eye =
-        atlas.lattice.to_index(camera.eye) - glm::dvec3(atlas.lo * Atlas::kBrick);
+    eye_ = atlas.lattice.to_index(camera.eye) - glm::dvec3(atlas.lo * Atlas::kBrick);
     const glm::dvec3 corner = rays_.corner();
     for (int a = 0; a < 3; ++a) {
-      camera_.eye[a] = eye[a];
+      camera_.eye[a] = eye_[a];
       camera_.corner[a] = corner[a];
       camera_.right[a] = rays_.right()[a];
       camera_.down[a] = rays_.down()[a];
     }
-    const double value = value_at(atlas, eye);
+    const double value = value_at(atlas, eye_);
     inside_ = value < 0;
     // Too close to tell in float, or too many bricks for a lane's 32-bit index.
     in_double_ = !(std::abs(value) > scene_.tolerance) ||
                  atlas.samples.size() > std::size_t(std::numeric_limits<std::int32_t>::max());
   }
 
+  // Pixels of a tile that no ray can hit stay as they are.
   void trace_tile(int left, int top) const {
+    const double start = in_double_ ? 0 : march(atlas_, beam(left, top, kTile), 0);
+    if (start == kInfinity) return;
     for (int y = top; y < std::min(top + kTile, hits_.height); y += kPacket) {
       for (int x = left; x < std::min(left + kTile, hits_.width); x += kPacket) {
-        in_double_ ? trace_singly(x, y, 0xffffU) : trace_packet(x, y, 0.0);
+        if (in_double_) {
+          trace_singly(x, y, 0xffffU);
+          continue;
+        }
+        const double from = march(atlas_, beam(x, y, kPacket), start);
+        if (from < kInfinity) trace_packet(x, y, from);
       }
     }
   }
@@ -63,6 +72,17 @@ class Tracer {
     return bits;
   }
 
+  // The rays of a square of pixels; none differs more from the middle one than one at a corner.
+  [[nodiscard]] Beam beam(int x, int y, int size) const {
+    const glm::dvec3 axis = rays_.ray(x + 0.5 * size, y + 0.5 * size).direction;
+    double spread = 0;
+    for (int n = 0; n < 4; ++n) {
+      const Ray corner = rays_.ray(x + (n & 1) * size, y + (n >> 1) * size);
+      spread = std::max(spread, glm::length(corner.direction - axis));
+    }
+    return {eye_, axis, spread};
+  }
+
   void trace_packet(int x, int y, double from) const {
     PacketRays rays;
     PacketHits found;
@@ -74,7 +94,7 @@ class Tracer {
       if (((rays.active >> i) & 1U) == 0) continue;
       const std::size_t pixel = std::size_t(y + i / kPacket) * hits_.width + x + i % kPacket;
       const bool hit = ((found.hit >> i) & 1U) != 0;
-      write(pixel, hit ? found.t[i] : std::numeric_limits<double>::infinity(), found.steps[i]);
+      write(pixel, hit ? found.t[i] : kInfinity, found.steps[i]);
     }
     trace_singly(x, y, found.unsure);
   }
@@ -85,10 +105,8 @@ class Tracer {
       if (((which >> i) & 1U) == 0) continue;
       const int column = x + i % kPacket;
       const int row = y + i / kPacket;
-      const Walk walk = walk_ray(atlas_, rays_.ray(column + 0.5, row + 0.5), 0,
-                                 std::numeric_limits<double>::infinity());
-      write(std::size_t(row) * hits_.width + column,
-            walk.hit ? walk.t : std::numeric_limits<double>::infinity(), walk.steps);
+      const Walk walk = walk_ray(atlas_, rays_.ray(column + 0.5, row + 0.5), 0, kInfinity);
+      write(std::size_t(row) * hits_.width + column, walk.hit ? walk.t : kInfinity, walk.steps);
     }
   }
 
@@ -101,6 +119,7 @@ class Tracer {
   RayGenerator rays_;
   HitBuffer& hits_;
   const PacketKernel& kernel_;
+  glm::dvec3 eye_{0.0};  // in cells, from the first slot
   PacketScene scene_{};
   PacketCamera camera_{};
   bool inside_ = false;
