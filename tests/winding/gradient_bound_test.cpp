@@ -84,6 +84,24 @@ TEST(GradientBound, IsAttainedInTheMiddleOfARing) {
   EXPECT_LE(winding.gradient_bound({0, 0, 0}, 0.2), 0.25 / (0.9 * 0.9) * 1.3);
 }
 
+// Where the ball comes close to the boundary the gradient is many times that at its centre.
+TEST(GradientBound, HoldsOnTheSideOfTheBallNextToTheBoundary) {
+  for (const double size : {0.02, 0.2, 2.0, 20.0}) {  // far less than the distance to far more
+    TriangleSoup corner;  // a corner, or the middle of an edge, is nearest to the ball
+    corner.points = {{1, 0, 0}, {1 + size, -size, 0}, {1 + size, size, 0}};
+    corner.triangles = {{0, 1, 2}};
+    TriangleSoup edge = corner;
+    edge.points = {{1 + size, 0, 0}, {1, size, 0}, {1, -size, 0}};
+    for (const TriangleSoup& soup : {corner, edge}) {
+      const WindingNumber winding(soup);
+      for (const double radius : {0.0, 0.5, 0.9, 0.95}) {
+        const double slope = glm::length(gradient(soup, {radius, 0.0, 0.0}, 1e-6));
+        EXPECT_GE(winding.gradient_bound(glm::dvec3(0.0), radius), slope) << size << " " << radius;
+      }
+    }
+  }
+}
+
 // A thousand loops of little holes, seen from far away, must not add up their whole length.
 TEST(GradientBound, OfClosedLoopsFallsFasterThanOfTheirLength) {
   TriangleSoup holes;
