@@ -247,7 +247,8 @@ Exit run(const Options& options, Context& context) {
 
 Run add_render(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  options->view.margin = 0.08;
+  options->view.margin = 0.1;
+  options->view.fov = 30;
   app.add_option("IN", options->input, "grid (.vdb) or mesh to show")->required();
   add_output(app, options->output, image_extensions());
   app.add_option_function<std::string>(

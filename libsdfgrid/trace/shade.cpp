@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <limits>
 #include <numeric>
+#include <string_view>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
@@ -24,6 +26,17 @@ void check(const Camera& camera, const HitBuffer& hits, const Look& look) {
                 fmt::format("hits of {} x {} pixels do not belong to a camera of {} x {}",
                             hits.width, hits.height, camera.width, camera.height));
   }
+}
+
+// Runs row(y) for all rows of a picture, and reports how far it is.
+template <class Row>
+void for_rows(int height, std::string_view step, const Job& job, const Row& row) {
+  std::atomic<int> done{0};
+  parallel_for(static_cast<std::size_t>(height), 1, job, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y) row(y);
+    const int rows = done += static_cast<int>(end - begin);
+    job.report(step, static_cast<double>(rows) / height);
+  });
 }
 
 // One sample through the centre of every pixel of a row.
@@ -87,19 +100,14 @@ Picture shade(const Atlas& atlas, const Surroundings& surroundings, const Camera
   Picture picture{hits.width, hits.height, {}, {}, 0};
   picture.color.resize(hits.size());
   picture.normal.resize(hits.size());
-  const auto rows = static_cast<std::size_t>(hits.height);
-  parallel_for(rows, 1, job, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t y = begin; y < end; ++y) shade_row(shader, hits, y, picture);
-  });
+  for_rows(hits.height, "shade", job, [&](std::size_t y) { shade_row(shader, hits, y, picture); });
   if (look.samples == 1) return picture;
 
   const std::vector<std::uint8_t> edges = edge_pixels(hits, picture.normal, camera, job);
   picture.refined = std::accumulate(edges.begin(), edges.end(), std::size_t{0});
   const RayGenerator rays(camera);
-  parallel_for(rows, 1, job, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t y = begin; y < end; ++y) {
-      refine_row(shader, atlas, rays, edges, look.samples, y, picture);
-    }
+  for_rows(hits.height, "smooth edges", job, [&](std::size_t y) {
+    refine_row(shader, atlas, rays, edges, look.samples, y, picture);
   });
   return picture;
 }

@@ -18,14 +18,14 @@ namespace sdfgrid {
 
 // Phong (1975), with diffuse + specular at most 1 for a material that does not glow.
 struct Material {
-  glm::vec3 diffuse{0.62F, 0.54F, 0.46F};
-  float specular = 0.18F;
-  float exponent = 40;
+  glm::vec3 diffuse{0.62F, 0.51F, 0.41F};
+  float specular = 0.12F;
+  float exponent = 28;
 };
 
 // Light, in the units of the picture: 1 is a display's white.
 struct Lighting {
-  glm::vec3 sun{1.02F, 0.96F, 0.86F};  // irradiance on a surface facing it, over pi
+  glm::vec3 sun{1.08F, 1.00F, 0.88F};  // irradiance on a surface facing it, over pi
   double sun_turn = -52;   // degrees about `up` from the camera's side, + is to the right
   double sun_height = 48;  // degrees above the horizon
   double sun_radius = 7;   // degrees; larger is softer
