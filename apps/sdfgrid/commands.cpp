@@ -6,6 +6,7 @@ namespace {
 
 constexpr Command kCommands[] = {
     {"convert", "IN -o OUT.vdb", "turn a mesh into a sparse distance grid", add_convert},
+    {"info", "FILE", "say what a mesh or a grid holds", add_info},
     {"render", "IN -o OUT.png|.exr", "show a grid or a mesh in a picture", add_render},
 };
 
