@@ -6,8 +6,8 @@ namespace {
 
 constexpr Command kCommands[] = {
     {"convert", "IN -o OUT.vdb", "turn a mesh into a sparse distance grid", add_convert},
-    {"info", "FILE", "say what a mesh or a grid holds", add_info},
     {"compare", "A B", "measure a grid against a mesh, or two of either", add_compare},
+    {"info", "FILE", "say what a mesh or a grid holds", add_info},
     {"render", "IN -o OUT.png|.exr", "show a grid or a mesh in a picture", add_render},
 };
 
