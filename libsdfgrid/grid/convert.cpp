@@ -107,6 +107,21 @@ void flood_interior(openvdb::FloatGrid& grid, float in_background) {
                                             kAboveLeaves);
 }
 
+// Whether the sign changes in the brick or between it and a sample beside it.
+bool borders_sign_change(const openvdb::FloatTree& tree, const Leaf& leaf) {
+  const openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(tree);
+  const bool negative = leaf.getFirstValue() < 0;
+  const openvdb::Coord lo = leaf.origin().offsetBy(-1);
+  for (int x = 0; x < kBrickEdge + 2; ++x) {
+    for (int y = 0; y < kBrickEdge + 2; ++y) {
+      for (int z = 0; z < kBrickEdge + 2; ++z) {
+        if ((accessor.getValue(lo.offsetBy(x, y, z)) < 0) != negative) return true;
+      }
+    }
+  }
+  return false;
+}
+
 // Meshes with holes: the winding number says where inside is.
 void fill_interior(openvdb::FloatGrid& grid, float in_background, const SignedMesh& mesh,
                    const Lattice& lattice, const Job& job) {
@@ -121,12 +136,20 @@ void fill_interior(openvdb::FloatGrid& grid, float in_background, const SignedMe
     grid.tree().fill(openvdb::CoordBBox::createCube(to_coord(box.lo), box.edge), -in_background,
                      false);
   }
+  std::vector<Leaf*> caps;
   for (const CapBrick& cap : empty.caps) {
     Leaf* leaf = grid.tree().touchLeaf(to_coord(cap.origin));
     for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
       const bool inside = (cap.negative[i >> 6] >> (i & 63) & 1) != 0;
       leaf->setValueOff(i, inside ? -in_background : grid.background());
     }
+    caps.push_back(leaf);
+  }
+  std::erase_if(caps, [&](const Leaf* leaf) { return borders_sign_change(grid.tree(), *leaf); });
+  for (const Leaf* leaf : caps) {
+    const openvdb::Coord origin = leaf->origin();  // addTile deletes the leaf
+    const float value = leaf->getFirstValue();
+    grid.tree().addTile(1, origin, value, false);
   }
 }
 

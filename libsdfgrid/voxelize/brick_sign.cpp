@@ -1,7 +1,9 @@
 #include "sdfgrid/voxelize/brick_sign.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <vector>
 
 #include "sdfgrid/mesh/winding.h"
 
@@ -9,6 +11,7 @@ namespace sdfgrid {
 namespace {
 
 constexpr std::uint64_t kAll = ~0ULL;
+constexpr double kStepsPerRound = 3;  // of spread(): one along each axis
 
 int lowest(const BrickBits& set) {
   for (int x = 0; x < 8; ++x) {
@@ -16,8 +19,6 @@ int lowest(const BrickBits& set) {
   }
   return -1;
 }
-
-bool empty(const BrickBits& set) { return lowest(set) < 0; }
 
 BrickBits single(int sample) {
   BrickBits set{};
@@ -41,11 +42,30 @@ BrickBits everything() {
   return set;
 }
 
+// Asks for every sample of `open` by itself.
+BrickBits each_by_winding(const WindingNumber& winding, const BrickBits& open,
+                          const BrickPosition& position) {
+  std::vector<int> samples;
+  std::vector<glm::dvec3> places;
+  for (int s = 0; s < 512; ++s) {
+    if ((open[static_cast<std::size_t>(s >> 6)] >> (s & 63) & 1) == 0) continue;
+    samples.push_back(s);
+    places.push_back(position(s));
+  }
+  std::vector<double> w(places.size());
+  winding.at(places, w);
+  BrickBits negative{};
+  for (std::size_t i = 0; i < w.size(); ++i) {
+    if (w[i] > 0.5) add(negative, single(samples[i]));
+  }
+  return negative;
+}
+
 }  // namespace
 
-int spread(const BrickLinks& links, const BrickBits& allowed, BrickBits& set) {
-  int rounds = 0;
-  for (bool grew = true; grew; ++rounds) {
+void spread(const BrickLinks& links, const BrickBits& allowed, BrickBits& set, int rounds) {
+  bool grew = true;
+  for (int round = 0; grew && round < rounds; ++round) {
     grew = false;
     for (int x = 0; x < 8; ++x) {
       std::uint64_t s = set[x];
@@ -58,7 +78,6 @@ int spread(const BrickLinks& links, const BrickBits& allowed, BrickBits& set) {
       set[x] = s;
     }
   }
-  return rounds;
 }
 
 BrickBits negative_by_normal(const SignedMesh& mesh, const BrickDistances& distances,
@@ -99,20 +118,19 @@ BrickBits negative_by_winding(const WindingNumber& winding, const BrickLinks& li
   const double radius = position.voxel * 3.5 * std::sqrt(3.0);
   const double slope = winding.gradient_bound(center, radius);
   for (int sample = lowest(open); sample >= 0; sample = lowest(open)) {
-    BrickBits same = single(sample);
-    const int rounds = spread(links, open, same);
     const double w = winding.at(position(sample));
+    // As far as the winding number cannot reach one half without crossing a triangle.
+    const double margin = std::abs(w - 0.5) - winding.tolerance();
+    const double rounds = margin / (slope * kStepsPerRound * position.voxel);  // inf if closed
+    if (!(rounds >= 1)) {
+      // Near a border of the mesh one answer is good for one sample.
+      add(negative, each_by_winding(winding, open, position));
+      break;
+    }
+    BrickBits same = single(sample);
+    spread(links, open, same, static_cast<int>(std::min(rounds, 512.0)));
+    if (w > 0.5) add(negative, same);
     open = without(open, same);
-    if (std::abs(w - 0.5) > slope * 3 * rounds * position.voxel + winding.tolerance()) {
-      if (w > 0.5) add(negative, same);
-      continue;
-    }
-    // A border of the mesh is near: the winding number varies within the set.
-    while (!empty(same)) {
-      const int s = lowest(same);
-      if (winding.at(position(s)) > 0.5) add(negative, single(s));
-      same = without(same, single(s));
-    }
   }
   return negative;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <span>
 
 #include "sdfgrid/voxelize/brick_kernel.h"
@@ -14,9 +15,10 @@ namespace sdfgrid {
 
 using BrickBits = std::array<std::uint64_t, 8>;  // as in brick_kernel.h
 
-// Spreads `set` over the links between samples, within `allowed`. Returns the number of rounds: no
+// Spreads `set` over the links between samples, within `allowed`, for at most `rounds` rounds: no
 // sample is more than three times as many steps away from where it started.
-int spread(const BrickLinks& links, const BrickBits& allowed, BrickBits& set);
+void spread(const BrickLinks& links, const BrickBits& allowed, BrickBits& set,
+            int rounds = std::numeric_limits<int>::max());
 
 // Position of a sample relative to soup.origin: base + voxel * (sample's place in the brick).
 struct BrickPosition {

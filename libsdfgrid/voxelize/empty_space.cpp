@@ -1,5 +1,6 @@
 #include "sdfgrid/voxelize/empty_space.h"
 
+#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <unordered_set>
@@ -9,8 +10,6 @@
 
 namespace sdfgrid {
 namespace {
-
-constexpr int kApronEdge = kBrickEdge + 2;
 
 // Which boxes of 8 * 2^level samples hold a brick, for every level up to the one of the whole.
 class Occupancy {
@@ -48,63 +47,70 @@ class Signer {
 
   void visit(const glm::ivec3& lo, int level, EmptySpace& out, const Job& job) const {
     const int edge = kBrickEdge << level;
-    const bool occupied = occupancy_.holds(lo, level);
-    if (occupied && level == 0) return;
-    if (!occupied) {
-      // One sample further than the box on every side, so that two neighbours cannot be given
-      // different signs without a brick between them.
-      const glm::dvec3 center = local(glm::dvec3(lo) + 0.5 * (edge - 1));
-      const double radius = 0.5 * (edge + 1) * std::sqrt(3.0) * voxel_;
-      const double w = winding_.at(center);
-      const double change = winding_.gradient_bound(center, radius) * radius;
-      if (std::abs(w - 0.5) > change + winding_.tolerance()) {
-        if (w > 0.5) out.inside.push_back({lo, edge});
+    if (!occupancy_.holds(lo, level)) {
+      const Side side = side_of(lo, edge);
+      if (side.proven) {
+        if (side.inside) out.inside.push_back({lo, edge});
         return;
       }
       if (level == 0) {
-        sample_brick(lo, out);
+        // The border is near. The brick is kept even if all its samples agree: a neighbour may not.
+        CapBrick cap{lo, {}};
+        sign_brick(cap);
+        out.caps.push_back(cap);
         return;
       }
+    } else if (level == 0) {
+      return;
     }
     job.checkpoint();
-    const int half = edge / 2;
-    for (int child = 0; child < 8; ++child) {
-      visit(lo + half * glm::ivec3(child >> 2, (child >> 1) & 1, child & 1), level - 1, out, job);
-    }
+    for_each_octant(lo, edge, [&](const glm::ivec3& child) { visit(child, level - 1, out, job); });
   }
 
  private:
-  [[nodiscard]] glm::dvec3 local(const glm::dvec3& index) const { return shift_ + voxel_ * index; }
+  struct Side {
+    bool inside;  // at the box's centre
+    bool proven;  // and in all of it
+  };
 
-  // No bound helps here: every sample is asked, those around the brick too.
-  void sample_brick(const glm::ivec3& lo, EmptySpace& out) const {
-    std::vector<glm::dvec3> positions;
-    positions.reserve(kApronEdge * kApronEdge * kApronEdge);
-    for (int x = -1; x <= kBrickEdge; ++x) {
-      for (int y = -1; y <= kBrickEdge; ++y) {
-        for (int z = -1; z <= kBrickEdge; ++z) {
-          positions.push_back(local(glm::dvec3(lo + glm::ivec3(x, y, z))));
-        }
+  [[nodiscard]] Side side_of(const glm::ivec3& lo, int edge) const {
+    // One sample further than the box on every side, so that two neighbours cannot be given
+    // different signs without a brick between them.
+    const glm::dvec3 center = shift_ + voxel_ * (glm::dvec3(lo) + 0.5 * (edge - 1));
+    const double radius = 0.5 * (edge + 1) * std::sqrt(3.0) * voxel_;
+    const double w = winding_.at(center);
+    const double margin = std::abs(w - 0.5) - winding_.tolerance();
+    return {w > 0.5, margin > 0 && margin > winding_.gradient_bound(center, radius) * radius};
+  }
+
+  // Proves what it can for the octants of a brick, and asks for each sample of the others.
+  void sign_brick(CapBrick& cap) const {
+    constexpr int kOctant = kBrickEdge / 2;
+    for_each_octant(cap.origin, kBrickEdge, [&](const glm::ivec3& lo) {
+      const Side side = side_of(lo, kOctant);
+      if (side.proven && !side.inside) return;
+      std::array<glm::dvec3, kOctant * kOctant * kOctant> places;
+      std::array<double, places.size()> w;
+      std::array<int, places.size()> samples;
+      for (int i = 0; i < static_cast<int>(places.size()); ++i) {
+        const glm::ivec3 at = lo + glm::ivec3(i / 16, i / 4 % 4, i % 4);
+        places[static_cast<std::size_t>(i)] = shift_ + voxel_ * glm::dvec3(at);
+        const glm::ivec3 in_brick = at - cap.origin;
+        samples[static_cast<std::size_t>(i)] = (in_brick.x * 8 + in_brick.y) * 8 + in_brick.z;
       }
-    }
-    std::vector<double> w(positions.size());
-    winding_.at(positions, w);
-    CapBrick cap{lo, {}};
-    std::size_t inside = 0;
-    for (std::size_t i = 0; i < w.size(); ++i) {
-      if (!(w[i] > 0.5)) continue;
-      ++inside;
-      const int x = static_cast<int>(i) / (kApronEdge * kApronEdge) - 1;
-      const int y = static_cast<int>(i) / kApronEdge % kApronEdge - 1;
-      const int z = static_cast<int>(i) % kApronEdge - 1;
-      const bool own =
-          x >= 0 && y >= 0 && z >= 0 && x < kBrickEdge && y < kBrickEdge && z < kBrickEdge;
-      if (own) cap.negative[static_cast<std::size_t>(x)] |= 1ULL << (y * 8 + z);
-    }
-    if (inside == w.size()) {
-      out.inside.push_back({lo, kBrickEdge});
-    } else if (inside > 0) {
-      out.caps.push_back(cap);
+      w.fill(1.0);
+      if (!side.proven) winding_.at(places, w);
+      for (std::size_t i = 0; i < w.size(); ++i) {
+        const auto sample = static_cast<std::size_t>(samples[i]);
+        if (w[i] > 0.5) cap.negative[sample >> 6] |= 1ULL << (sample & 63);
+      }
+    });
+  }
+
+  template <class Visit>
+  static void for_each_octant(const glm::ivec3& lo, int edge, const Visit& visit) {
+    for (int child = 0; child < 8; ++child) {
+      visit(lo + edge / 2 * glm::ivec3(child >> 2, (child >> 1) & 1, child & 1));
     }
   }
 
