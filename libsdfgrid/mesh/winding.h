@@ -20,9 +20,8 @@ namespace sdfgrid {
 
 class WindingNumber {
  public:
-  // Builds the tree: about 0.3 us a triangle and thread, 50 bytes a triangle. Indices must be in
-  // range and points finite. Throws Error{cancelled} if `job` is. The soup need not outlive the
-  // call.
+  // Builds the tree, on all threads; it holds about 45 bytes a triangle. Indices must be in range
+  // and points finite. Throws Error{cancelled} if `job` is. The soup need not outlive the call.
   explicit WindingNumber(const TriangleSoup& soup, const Job& job = Job());
   ~WindingNumber();
   WindingNumber(WindingNumber&&) noexcept;
@@ -33,10 +32,13 @@ class WindingNumber {
   // between those of its two sides. Zero where `local` is not finite. The same bits in any batch
   // and on any thread.
   [[nodiscard]] double at(const glm::dvec3& local) const;
-  // The same for many positions; out.size() must equal locals.size().
+  // The same for many positions, faster where neighbours in space are neighbours in the list.
+  // Throws std::invalid_argument unless out.size() equals locals.size().
   void at(std::span<const glm::dvec3> locals, std::span<double> out) const;
 
-  // What at() may be off by, in winding numbers; measured worst cases are a fifth of it.
+  // What at() may be off by, in winding numbers. Each expansion's error has a proven bound; that
+  // they sum to less than this is measured (0.0015 at worst on single surfaces, 0.0035 where eight
+  // concentric ones add up), not proven.
   [[nodiscard]] static constexpr double tolerance() { return 0.005; }
 
   // Upper bound on the length of the exact winding number's gradient, per unit of local length,

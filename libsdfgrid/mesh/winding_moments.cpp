@@ -115,15 +115,19 @@ double expansion_error(const Moments& m, double distance) {
   return 0.25 * std::numbers::inv_pi * m.spread / (d2 * d2) * series;
 }
 
-double reach(const Moments& m, double tolerance) {
-  if (!(m.spread > 0.0)) return 0.0;
-  // The error falls with the distance: bisect between the radius and a distance that is enough.
+// Without the relative part, many small patches of great radius (a leaf on two parallel sheets,
+// say) would each stay below the absolute error, close by, and add up.
+double reach(const Moments& m, const Accuracy& accuracy) {
+  const auto too_near = [&](double distance) {
+    const double flat = 0.25 * std::numbers::inv_pi * m.area / (distance * distance);
+    return expansion_error(m, distance) > std::min(accuracy.absolute, accuracy.relative * flat);
+  };
   double lo = m.radius;
   double hi = 2.0 * m.radius;
-  while (expansion_error(m, hi) > tolerance) hi *= 2.0;
+  while (too_near(hi)) hi *= 2.0;
   for (int i = 0; i < 12; ++i) {
     const double middle = 0.5 * (lo + hi);
-    (expansion_error(m, middle) > tolerance ? lo : hi) = middle;
+    (too_near(middle) ? lo : hi) = middle;
   }
   return hi;
 }

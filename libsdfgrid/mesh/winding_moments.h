@@ -41,7 +41,13 @@ using Triangle = std::array<glm::dvec3, 3>;
 // Bound on the error of the expansion, in winding numbers, at a distance greater than m.radius.
 [[nodiscard]] double expansion_error(const Moments& m, double distance);
 
-// The distance from the centre beyond which the expansion's error stays below `tolerance`.
-[[nodiscard]] double reach(const Moments& m, double tolerance);
+// What an expansion may be off by, in winding numbers.
+struct Accuracy {
+  double absolute;
+  double relative;  // to the winding number of as large a patch that faces the point flat
+};
+
+// The distance from the centre beyond which the expansion keeps to both.
+[[nodiscard]] double reach(const Moments& m, const Accuracy& accuracy);
 
 }  // namespace sdfgrid::winding

@@ -7,7 +7,6 @@
 #include <span>
 
 #include "sdfgrid/core/parallel.h"
-#include "sdfgrid/mesh/winding_moments.h"
 
 namespace sdfgrid::winding {
 namespace {
@@ -151,8 +150,8 @@ float without_dust(double coefficient, double radius, int degree) {
   return at_radius < 1e-12 ? 0.0F : static_cast<float>(coefficient);
 }
 
-void fill_child(Node& node, std::size_t lane, const Moments& child, double error) {
-  const double distance = reach(child, error);
+void fill_child(Node& node, std::size_t lane, const Moments& child, const Accuracy& accuracy) {
+  const double distance = reach(child, accuracy);
   node.reach2[lane] = static_cast<float>(distance * distance);
   for (int a = 0; a < 3; ++a) node.center[a][lane] = static_cast<float>(child.center[a]);
   const std::array<double, kCoefficients> c = coefficients(child);
@@ -169,9 +168,9 @@ void fill_unused(Node& node, std::size_t lane) {
   for (auto& coefficient : node.coefficient) coefficient[lane] = 0.0F;
 }
 
-void fill_node(Node& node, std::span<const Moments> children, double error) {
+void fill_node(Node& node, std::span<const Moments> children, const Accuracy& accuracy) {
   for (std::size_t lane = 0; lane < children.size(); ++lane) {
-    fill_child(node, lane, children[lane], error);
+    fill_child(node, lane, children[lane], accuracy);
   }
   for (std::size_t lane = children.size(); lane < kWidth; ++lane) fill_unused(node, lane);
 }
@@ -193,7 +192,7 @@ std::vector<Moments> fill_leaves(Tree& tree, const TriangleSoup& soup,
 // Fills the nodes [offset, ...) of one level from their children's moments and returns their own.
 std::vector<Moments> fill_level(Tree& tree, std::size_t offset, bool above_leaves,
                                 const Level& level, const std::vector<Moments>& children,
-                                double error, const Job& job) {
+                                const Accuracy& accuracy, const Job& job) {
   const std::size_t count = level.ranges.size();
   std::vector<Moments> moments(count);
   parallel_for(count, 16, job, [&](std::size_t begin, std::size_t end) {
@@ -201,7 +200,7 @@ std::vector<Moments> fill_level(Tree& tree, std::size_t offset, bool above_leave
       Node& node = tree.nodes[offset + i];
       const std::size_t first = level.first[i];
       const std::span below(&children[first], level.first[i + 1] - first);
-      fill_node(node, below, error);
+      fill_node(node, below, accuracy);
       node.leaves = above_leaves ? 1 : 0;
       node.first = static_cast<std::uint32_t>(above_leaves ? first : offset + count + first);
       moments[i] = merged(below);
@@ -212,7 +211,7 @@ std::vector<Moments> fill_level(Tree& tree, std::size_t offset, bool above_leave
 
 }  // namespace
 
-Tree build_tree(const TriangleSoup& soup, double error, const Job& job) {
+Tree build_tree(const TriangleSoup& soup, const Accuracy& accuracy, const Job& job) {
   Tree tree;
   tree.scale = scale_of(soup);
   std::vector<Item> items = items_with_area(soup);
@@ -224,7 +223,7 @@ Tree build_tree(const TriangleSoup& soup, double error, const Job& job) {
   std::vector<Moments> moments = fill_leaves(tree, soup, items, levels.back(), job);
   for (std::size_t l = levels.size() - 1; l-- > 0;) {
     offset -= levels[l].ranges.size();
-    moments = fill_level(tree, offset, l + 2 == levels.size(), levels[l], moments, error, job);
+    moments = fill_level(tree, offset, l + 2 == levels.size(), levels[l], moments, accuracy, job);
   }
   return tree;
 }

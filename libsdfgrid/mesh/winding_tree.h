@@ -6,6 +6,7 @@
 #include "sdfgrid/core/job.h"
 #include "sdfgrid/mesh/soup.h"
 #include "sdfgrid/mesh/winding_kernel.h"
+#include "sdfgrid/mesh/winding_moments.h"
 
 namespace sdfgrid::winding {
 
@@ -17,8 +18,7 @@ struct Tree {
   [[nodiscard]] TreeView view() const { return {nodes.data(), leaves.data(), scale}; }
 };
 
-// `error` is the most that one expansion may be off, in winding numbers. The result does not depend
-// on the number of threads. Throws Error{cancelled} if `job` is.
-[[nodiscard]] Tree build_tree(const TriangleSoup& soup, double error, const Job& job);
+// The result does not depend on the number of threads. Throws Error{cancelled} if `job` is.
+[[nodiscard]] Tree build_tree(const TriangleSoup& soup, const Accuracy& accuracy, const Job& job);
 
 }  // namespace sdfgrid::winding

@@ -123,6 +123,21 @@ TEST(Winding, IsOneInsideAndZeroOutsideOfAClosedSphere) {
   }
 }
 
+// From the middle of concentric shells thousands of patches are seen from the front and at once,
+// and the errors of their expansions have one sign; leaves hold parts of several shells.
+TEST(Winding, StaysExactInTheMiddleOfManyLayers) {
+  TriangleSoup eight;
+  for (int k = 0; k < 8; ++k) eight = shapes::joined(eight, shapes::icosphere(4, 1.0 - 0.1 * k));
+  const WindingNumber eight_times(eight);
+  const WindingNumber hollow(shapes::nested_shells(5, 1.0, 0.5));
+  Random random(6);
+  for (int i = 0; i < 1000; ++i) {
+    const glm::dvec3 p = 0.25 * random.unit() * random.direction();
+    EXPECT_NEAR(eight_times.at(p), 8.0, WindingNumber::tolerance());
+    EXPECT_NEAR(hollow.at(p), 0.0, 0.5 * WindingNumber::tolerance());
+  }
+}
+
 TEST(Winding, CountsDirectionAndCopies) {
   const TriangleSoup sphere = shapes::icosphere(3, 1.0);
   const TriangleSoup twice = shapes::joined(sphere, sphere);
