@@ -15,7 +15,7 @@ namespace sdfgrid::cli {
 namespace {
 
 // The promise is 250 ms; the rest is for removing files and for the kernel to take memory back.
-constexpr timespec kGrace{0, 150'000'000};
+constexpr timespec kGrace{0, 100'000'000};
 
 // Wakes the watching thread when the work is done; no one else sends it.
 constexpr int kWake = SIGUSR1;
@@ -54,11 +54,14 @@ void InterruptWatch::stand_down() {
 }
 
 void InterruptWatch::watch() {
-  int signal = 0;
-  if (::sigwait(&signals_, &signal) != 0 || signal == kWake) return;
+  int signal = kWake;
+  while (signal == kWake) {
+    if (::sigwait(&signals_, &signal) != 0) return;
+    const std::lock_guard lock(ending_);
+    if (stood_down_) return;
+  }
   job_.cancel();
-  const int second = ::sigtimedwait(&signals_, nullptr, &kGrace);
-  if (second == kWake) return;
+  ::sigtimedwait(&signals_, nullptr, &kGrace);
   end_program();
 }
 

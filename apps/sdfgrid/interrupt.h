@@ -12,7 +12,7 @@ namespace sdfgrid::cli {
 
 // While it lives, SIGINT, SIGTERM and SIGHUP cancel a Job instead of ending the program: the
 // library then unwinds at its next checkpoint. Some calls have none (a file being read or written
-// by another library), so 150 ms after the first signal, or at once at the second, this ends the
+// by another library), so 100 ms after the first signal, or at once at the second, this ends the
 // program itself, removing temporary output files. Make it before any other thread: they must
 // inherit its mask.
 class InterruptWatch {

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "command.h"
+#include "help.h"
 #include "interrupt.h"
 #include "progress.h"
 #include "sdfgrid/core/error.h"
@@ -142,14 +143,17 @@ int main_with(int argc, char** argv) {
                         })
       ->group("");  // hidden: it makes the README's table
   app.require_subcommand(1);
+  app.formatter(help_format("COMMAND ..."));
 
   CommonOptions options;
   std::vector<std::pair<CLI::App*, Run>> runs;
   for (const Command& command : commands()) {
     CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.summary));
+    sub->formatter(help_format(fmt::format("{} {} [OPTIONS]", command.name, command.arguments)));
     runs.emplace_back(sub, command.add(*sub));
     add_common_options(*sub, options);
   }
+  app.footer("Run 'sdfgrid COMMAND --help' for what a command takes.");
   const std::vector<std::string> words(argv + 1, argv + argc);
   try {
     app.parse(argc, argv);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <regex>
 
 #include "command.h"
 #include "words.h"
@@ -69,7 +70,9 @@ std::string unknown_option(const CLI::App& app, const std::vector<std::string>& 
 std::string command_table() {
   std::string table = "| command | what it does |\n|---|---|\n";
   for (const Command& command : commands()) {
-    table += fmt::format("| `{} {}` | {} |\n", command.name, command.arguments, command.summary);
+    const std::string row = fmt::format("`{} {}`", command.name, command.arguments);
+    table += fmt::format("| {} | {} |\n", std::regex_replace(row, std::regex("\\|"), "\\|"),
+                         command.summary);
   }
   return table;
 }

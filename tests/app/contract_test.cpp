@@ -1,0 +1,158 @@
+// Exit codes, streams and output files of a subcommand, as other people's scripts rely on them.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "app/process.h"
+
+namespace sdfgrid::test {
+namespace {
+
+using nlohmann::json;
+using Names = std::vector<std::string>;
+
+std::string read_file(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::size_t lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+class Contract : public ::testing::Test {
+ protected:
+  Folder folder_;
+  std::string cube_ = folder_.write("cube.off", cube_off());
+  std::string grid_ = folder_.path("cube.vdb");
+};
+
+TEST_F(Contract, ConvertsAndSaysSo) {
+  const Outcome outcome = run({"convert", cube_, "-o", grid_, "--dim", "32"});
+  EXPECT_EQ(outcome.exit, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find(grid_), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.error.find("voxelize"), std::string::npos) << "progress: " << outcome.error;
+  EXPECT_EQ(folder_.files(), (Names{"cube.off", "cube.vdb"}));
+}
+
+TEST_F(Contract, JsonIsOneObjectAndNothingElse) {
+  const Outcome outcome = run({"convert", cube_, "-o", grid_, "--dim", "32", "--json", "--quiet"});
+  ASSERT_EQ(outcome.exit, 0) << outcome.error;
+  EXPECT_EQ(outcome.error, "");
+  EXPECT_EQ(lines(outcome.out), 1U) << outcome.out;
+  const json result = json::parse(outcome.out);
+  for (const char* key : {"method", "sign", "voxel", "dims", "active_voxels", "bricks", "bytes",
+                          "seconds", "warnings"}) {
+    EXPECT_TRUE(result.contains(key)) << key;
+  }
+  for (const char* key : {"read", "voxelize", "transform", "write", "total"}) {
+    EXPECT_TRUE(result["seconds"].contains(key)) << key;
+  }
+  EXPECT_EQ(result["method"], "exact");
+  EXPECT_NEAR(result["voxel"].get<double>(), 1.0 / 32, 1e-12);
+}
+
+TEST_F(Contract, QuietLeavesOnlyTheResult) {
+  const Outcome outcome = run({"convert", cube_, "-o", grid_, "--dim", "32", "--quiet"});
+  EXPECT_EQ(outcome.exit, 0);
+  EXPECT_EQ(outcome.error, "");
+  EXPECT_NE(outcome.out, "");
+}
+
+TEST_F(Contract, MissingInputIsRefused) {
+  const std::string missing = folder_.path("missing.off");
+  const Outcome outcome = run({"convert", missing, "-o", grid_, "--json"});
+  EXPECT_EQ(outcome.exit, 4);
+  EXPECT_NE(outcome.error.find("error: " + missing), std::string::npos) << outcome.error;
+  const json result = json::parse(outcome.out);
+  EXPECT_EQ(result["exit"], 4);
+  EXPECT_NE(result["error"].get<std::string>().find(missing), std::string::npos);
+  EXPECT_EQ(folder_.files(), Names{"cube.off"});
+}
+
+TEST_F(Contract, MalformedInputIsRefusedAndLeavesNoFile) {
+  const std::string broken = folder_.write("broken.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n");
+  const Outcome outcome = run({"convert", broken, "-o", grid_});
+  EXPECT_EQ(outcome.exit, 4);
+  EXPECT_NE(outcome.error.find(broken), std::string::npos) << outcome.error;
+  EXPECT_EQ(folder_.files(), (Names{"broken.off", "cube.off"}));
+}
+
+TEST_F(Contract, ExistingOutputNeedsForce) {
+  std::ofstream(grid_) << "precious";
+  const Outcome refused = run({"convert", cube_, "-o", grid_, "--dim", "32"});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_NE(refused.error.find("--force"), std::string::npos) << refused.error;
+  EXPECT_EQ(read_file(grid_), "precious");
+  EXPECT_EQ(run({"convert", cube_, "-o", grid_, "--dim", "32", "--force"}).exit, 0);
+  EXPECT_NE(read_file(grid_), "precious");
+}
+
+TEST_F(Contract, AnOutputThatIsNoPlainFileIsRefusedEvenByForce) {
+  const std::string pipe = folder_.path("pipe.vdb");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(run({"convert", cube_, "-o", pipe, "--dim", "8", "--force"}).exit, 2);
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+}
+
+TEST_F(Contract, MissingFolderIsFoundBeforeAnyWork) {
+  const Outcome outcome = run({"convert", cube_, "-o", folder_.path("no/where.vdb")});
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_NE(outcome.error.find("create it first"), std::string::npos) << outcome.error;
+  EXPECT_EQ(outcome.error.find("voxelize"), std::string::npos) << outcome.error;
+}
+
+// Not even root can make a file in /proc.
+TEST_F(Contract, AFolderThatCannotBeWrittenFails) {
+  const Outcome outcome = run({"convert", cube_, "-o", "/proc/cube.vdb", "--dim", "8"});
+  EXPECT_EQ(outcome.exit, 1) << outcome.error;
+  EXPECT_NE(outcome.error.find("/proc/cube.vdb"), std::string::npos) << outcome.error;
+}
+
+TEST_F(Contract, WrongExtensionIsUsage) {
+  const Outcome outcome = run({"convert", cube_, "-o", folder_.path("cube.vbd")});
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_NE(outcome.error.find(".vdb"), std::string::npos) << outcome.error;
+}
+
+TEST_F(Contract, MissedToleranceIsThree) {
+  ASSERT_EQ(run({"convert", cube_, "-o", grid_, "--dim", "32"}).exit, 0);
+  const Outcome within = run({"compare", grid_, cube_, "--samples", "1000", "--tolerance", "1"});
+  EXPECT_EQ(within.exit, 0) << within.error;
+  const Outcome missed =
+      run({"compare", grid_, cube_, "--samples", "1000", "--tolerance", "1e-12", "--json"});
+  EXPECT_EQ(missed.exit, 3) << missed.error;
+  EXPECT_GT(json::parse(missed.out)["max_error"].get<double>(), 1e-12);
+}
+
+TEST_F(Contract, ThreadsDoNotChangeTheFile) {
+  const std::string other = folder_.path("other.vdb");
+  ASSERT_EQ(run({"convert", cube_, "-o", grid_, "--dim", "64", "--threads", "1"}).exit, 0);
+  ASSERT_EQ(run({"convert", cube_, "-o", other, "--dim", "64", "--threads", "3"}).exit, 0);
+  EXPECT_EQ(read_file(grid_), read_file(other));
+}
+
+TEST_F(Contract, AReaderThatLeavesDoesNotStopTheWork) {
+  const std::string command =
+      std::string(SDFGRID_BINARY) + " convert " + cube_ + " -o " + grid_ + " --dim 32 2>&1 | true";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  EXPECT_EQ(run({"compare", grid_, cube_, "--samples", "100"}).exit, 0);
+}
+
+TEST_F(Contract, AFullDiskUnderTheResultIsAFailure) {
+  const std::string command = std::string(SDFGRID_BINARY) + " convert " + cube_ + " -o " + grid_ +
+                              " --dim 32 --quiet >/dev/full";
+  const int status = std::system(command.c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+}
+
+}  // namespace
+}  // namespace sdfgrid::test
