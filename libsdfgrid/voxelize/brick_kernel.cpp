@@ -21,9 +21,9 @@ struct Point16 {
 };
 
 // Lane l of a group is its sample (l >> 3, (l >> 2) & 1, l & 3).
-constexpr F16 kLaneX = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
-constexpr F16 kLaneY = {0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1};
-constexpr F16 kLaneZ = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+alignas(64) constexpr float kLaneX[kLanes] = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
+alignas(64) constexpr float kLaneY[kLanes] = {0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1};
+alignas(64) constexpr float kLaneZ[kLanes] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 
 // Group g is at samples (2 (g >> 3), 2 ((g >> 1) & 3), 4 (g & 1)).
 constexpr int group_x(int g) { return 2 * (g >> 3); }
@@ -31,9 +31,9 @@ constexpr int group_y(int g) { return 2 * ((g >> 1) & 3); }
 constexpr int group_z(int g) { return 4 * (g & 1); }
 
 Point16 group_samples(int g) {
-  return {kLaneX + (static_cast<float>(group_x(g)) - 3.5F),
-          kLaneY + (static_cast<float>(group_y(g)) - 3.5F),
-          kLaneZ + (static_cast<float>(group_z(g)) - 3.5F)};
+  return {load(kLaneX) + (static_cast<float>(group_x(g)) - 3.5F),
+          load(kLaneY) + (static_cast<float>(group_y(g)) - 3.5F),
+          load(kLaneZ) + (static_cast<float>(group_z(g)) - 3.5F)};
 }
 
 // The centres of the groups 16 * half to 16 * half + 15.
@@ -176,14 +176,15 @@ void links(const BrickDistances& distances, float reach, BrickLinks& out) {
 
 void finish(const BrickDistances& distances, const std::uint64_t negative[8],
             const BandWidths& band, float values[512], std::uint64_t active[8]) {
-  constexpr I16 kBit = {1,      2,      4,      8,      0x10,   0x20,   0x40,   0x80,
-                        0x0100, 0x0200, 0x0400, 0x0800, 0x1000, 0x2000, 0x4000, 0x8000};
+  alignas(64) static constexpr std::int32_t kBit[kLanes] = {
+      1,      2,      4,      8,      0x10,   0x20,   0x40,   0x80,
+      0x0100, 0x0200, 0x0400, 0x0800, 0x1000, 0x2000, 0x4000, 0x8000};
   for (int x = 0; x < 8; ++x) {
     std::uint64_t on = 0;
     for (int part = 0; part < 4; ++part) {
       const int at = 64 * x + 16 * part;
       const auto word = static_cast<std::int32_t>(negative[x] >> (16 * part) & 0xffffU);
-      const I16 inside = (kBit & splat(word)) != splat(0);
+      const I16 inside = (load(kBit) & splat(word)) != splat(0);
       const F16 d = sqrt(load(distances.squared + at));
       const I16 in_band = d < select(inside, splat(band.inwidth), splat(band.exwidth));
       const F16 beyond = select(inside, splat(-band.in_background), splat(band.background));

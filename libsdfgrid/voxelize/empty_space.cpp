@@ -80,7 +80,7 @@ class Signer {
     const double radius = 0.5 * (edge + 1) * std::sqrt(3.0) * voxel_;
     const double w = winding_.at(center);
     const double margin = std::abs(w - 0.5) - winding_.tolerance();
-    return {w > 0.5, margin > 0 && margin > winding_.gradient_bound(center, radius) * radius};
+    return {w > 0.5, margin > 0 && winding_.gradient_below(center, radius, margin / radius)};
   }
 
   // Proves what it can for the octants of a brick, and asks for each sample of the others.
