@@ -1,5 +1,6 @@
 // Primary rays on a mesh: speed and error of trace_primary() beside OpenVDB's ray intersector and
-// Embree on the triangles, all in one run, repetitions interleaved, medians.
+// Embree on the triangles, all in one run, repetitions interleaved, medians. Errors are of
+// depth, in voxels; lost and extra are pixels, inner those of them that are no silhouette's.
 //
 //   trace_bench MESH [DIM=512] [SIZE=1024] [REPETITIONS=7]
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <string>
 
@@ -76,8 +78,16 @@ class Ours : public Peer {
   Camera camera_;
 };
 
+// Processor seconds of all threads: they stay true on a machine that is busy with other work.
+double processor_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
 struct Result {
   std::vector<double> seconds;
+  std::vector<double> processor;
   std::vector<float> depth;
 };
 
@@ -132,19 +142,22 @@ void measure(const std::vector<const Peer*>& peers, int threads, int repetitions
   for (int repetition = 0; repetition < repetitions; ++repetition) {
     for (std::size_t i = 0; i < peers.size(); ++i) {
       const auto start = Clock::now();
+      const double used = processor_seconds();
       peers[i]->trace(results[i].depth);
+      results[i].processor.push_back(processor_seconds() - used);
       results[i].seconds.push_back(std::chrono::duration<double>(Clock::now() - start).count());
     }
   }
-  const double ours = median(results[0].seconds);
-  const auto rays = static_cast<double>(results[0].depth.size());
+  const auto rays = static_cast<double>(results[0].depth.size()) * 1e-6;
   fmt::print(
-      "\n{} thread{}: {:<26} Mrays/s  ours is | depth error  p99 (voxels) lost   extra  inner\n",
-      threads, threads == 1 ? "" : "s", "");
+      "\n{:<32} Mrays/s  ours is  Mrays/CPU-s  ours is |  error     p99    lost   extra  inner\n",
+      fmt::format("{} thread{}", threads, threads == 1 ? "" : "s"));
   for (std::size_t i = 0; i < peers.size(); ++i) {
     const double seconds = median(results[i].seconds);
-    fmt::print("  {:<34} {:8.2f} {:7.2f} x |", peers[i]->name(), rays / seconds * 1e-6,
-               seconds / ours);
+    const double processor = median(results[i].processor);
+    fmt::print("{:<32} {:7.2f} {:7.2f}x {:12.2f} {:7.2f}x |", peers[i]->name(), rays / seconds,
+               seconds / median(results[0].seconds), rays / processor,
+               processor / median(results[0].processor));
     print_errors(results[i].depth, results.back().depth, camera.width, voxel);
     fmt::print("\n");
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <glm/common.hpp>
 #include <limits>
+#include <numeric>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
@@ -17,7 +18,8 @@ namespace {
 using Tree = openvdb::FloatTree;
 using Leaf = Tree::LeafNodeType;
 
-constexpr double kMaxTableBytes = 4e9;
+// Places in the tables must fit the 32 bits of a vector's lane.
+constexpr double kMaxTableBytes = 3e9;
 
 openvdb::Coord corner(const glm::ivec3& brick) { return {brick.x * 8, brick.y * 8, brick.z * 8}; }
 
@@ -38,8 +40,8 @@ class Builder {
     if (atlas_.dims.x == 0) return std::move(atlas_);
     mark_slots();
     add_bricks_at_sign_changes();
-    fill_samples();
-    fill_all_hops();
+    crossing_first();
+    fill_bricks();
     fill_jumps(atlas_, job_);
     return std::move(atlas_);
   }
@@ -48,8 +50,8 @@ class Builder {
   void find_extent();
   void mark_slots();
   void add_bricks_at_sign_changes();
-  void fill_samples();
-  void fill_all_hops();
+  void crossing_first();
+  void fill_bricks();
   bool changes_sign(const glm::ivec3& slot) const;
   void fill(const openvdb::tree::ValueAccessor<const Tree>& values, const glm::ivec3& slot,
             float* out) const;
@@ -59,7 +61,8 @@ class Builder {
   const Job& job_;
   Atlas atlas_;
   std::vector<const Leaf*> leaves_;
-  std::vector<glm::ivec3> slots_;  // of each brick
+  std::vector<glm::ivec3> slots_;   // of each leaf, then of the other bricks
+  std::vector<std::size_t> order_;  // which of them each brick of the atlas is
 };
 
 // The box of all leaves and all tiles inside, and one slot before it: a cell between index 8 b - 1
@@ -82,7 +85,7 @@ void Builder::find_extent() {
   }
   if (lo.x > hi.x) return;
   const glm::dvec3 extent = glm::dvec3(hi) - glm::dvec3(lo) + 1.0;
-  const double bytes = 2.0 * sizeof(std::int32_t) * extent.x * extent.y * extent.z;
+  const double bytes = (sizeof(std::int32_t) + Atlas::kOctants) * extent.x * extent.y * extent.z;
   if (bytes > kMaxTableBytes) {
     throw Error(ErrorKind::failed,
                 fmt::format("tracing this grid needs tables of {:.1f} GB ({} x {} x {} bricks), "
@@ -194,28 +197,45 @@ void Builder::fill(const openvdb::tree::ValueAccessor<const Tree>& values, const
   }
 }
 
-void Builder::fill_samples() {
-  atlas_.samples.resize(slots_.size() * Atlas::kSamples);
-  std::vector<float> slopes(slots_.size());
+// Orders the bricks so that the crossing ones, which are all that rays look at, come first.
+void Builder::crossing_first() {
+  std::vector<BrickRange> ranges(slots_.size());
   parallel_for(slots_.size(), 64, job_, [&](std::size_t begin, std::size_t end) {
+    const openvdb::tree::ValueAccessor<const Tree> values(tree_);
+    float samples[Atlas::kSamples];
+    for (std::size_t i = begin; i < end; ++i) {
+      fill(values, slots_[i], samples);
+      ranges[i] = brick_range(samples);
+    }
+  });
+  for (const BrickRange& range : ranges) atlas_.slope = std::max(atlas_.slope, range.slope);
+  const float margin = atlas_.margin();
+  std::vector<std::size_t> order(slots_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto rest = std::stable_partition(order.begin(), order.end(), [&](std::size_t i) {
+    return !ranges[i].finite || (ranges[i].low <= margin && ranges[i].high >= -margin);
+  });
+  atlas_.crossing = static_cast<std::int32_t>(rest - order.begin());
+  order_ = std::move(order);
+}
+
+void Builder::fill_bricks() {
+  atlas_.samples.resize(order_.size() * Atlas::kSamples);
+  atlas_.hops.resize(std::size_t(atlas_.crossing) * Atlas::kHops);
+  parallel_for(order_.size(), 64, job_, [&](std::size_t begin, std::size_t end) {
     const openvdb::tree::ValueAccessor<const Tree> values(tree_);
     for (std::size_t i = begin; i < end; ++i) {
       float* samples = atlas_.samples.data() + i * Atlas::kSamples;
-      fill(values, slots_[i], samples);
-      slopes[i] = brick_slope(samples);
+      fill(values, slots_[order_[i]], samples);
+      if (i < std::size_t(atlas_.crossing)) {
+        fill_hops(samples, atlas_.margin(), atlas_.hops.data() + i * Atlas::kHops);
+      }
     }
   });
-  for (const float slope : slopes) atlas_.slope = std::max(atlas_.slope, slope);
-}
-
-void Builder::fill_all_hops() {
-  atlas_.hops.resize(slots_.size() * Atlas::kCells);
-  parallel_for(slots_.size(), 64, job_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      fill_hops(atlas_.samples.data() + i * Atlas::kSamples, atlas_.margin(),
-                atlas_.hops.data() + i * Atlas::kCells);
-    }
-  });
+  // Only now: while bricks are filled, the slots name leaves.
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    atlas_.bricks[atlas_.place(slots_[order_[i]])] = static_cast<std::int32_t>(i);
+  }
 }
 
 }  // namespace

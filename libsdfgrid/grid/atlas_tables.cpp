@@ -41,29 +41,119 @@ CellMask full_cells(const std::array<std::uint16_t, kEdge * kEdge>& rows) {
   return cells;
 }
 
-// The cells within one of a set cell, along all axes.
-CellMask dilate(const CellMask& mask) {
-  constexpr std::uint64_t kFirst = 0x0101010101010101U;  // z == 0
-  CellMask plane{};
-  for (int x = 0; x < kBrick; ++x) {
-    const std::uint64_t m = mask[x];
-    const std::uint64_t z = m | ((m << 1) & ~kFirst) | ((m >> 1) & ~(kFirst << 7));
-    plane[x] = z | (z << 8) | (z >> 8);
+constexpr std::uint64_t kFirstColumn = 0x0101010101010101U;  // z == 0
+
+CellMask mirrored(const CellMask& cells, int octant) {
+  CellMask result = cells;
+  for (std::uint64_t& plane : result) {
+    if ((octant & 1) != 0) {  // the bits of each byte
+      plane = (plane >> 4 & 0x0f0f0f0f0f0f0f0fU) | (plane & 0x0f0f0f0f0f0f0f0fU) << 4;
+      plane = (plane >> 2 & 0x3333333333333333U) | (plane & 0x3333333333333333U) << 2;
+      plane = (plane >> 1 & 0x5555555555555555U) | (plane & 0x5555555555555555U) << 1;
+    }
+    if ((octant & 2) != 0) plane = __builtin_bswap64(plane);
   }
-  CellMask grown = plane;
-  for (int x = 0; x + 1 < kBrick; ++x) {
-    grown[x] |= plane[x + 1];
-    grown[x + 1] |= plane[x];
+  if ((octant & 4) != 0) std::reverse(result.begin(), result.end());
+  return result;
+}
+
+// The cells from which a set cell is at most one ahead, on all axes.
+CellMask grow_back(const CellMask& mask) {
+  CellMask grown{};
+  for (int x = 0; x < kBrick; ++x) {
+    const std::uint64_t m = mask[x] | (x + 1 < kBrick ? mask[x + 1] : 0);
+    const std::uint64_t z = m | ((m >> 1) & ~(kFirstColumn << 7));
+    grown[x] = z | (z >> 8);
   }
   return grown;
 }
 
+// Of eight bits, each moved to the lowest of four.
+constexpr std::array<std::uint32_t, 256> make_spread() {
+  std::array<std::uint32_t, 256> spread{};
+  for (unsigned bits = 0; bits < 256; ++bits) {
+    for (unsigned i = 0; i < 8; ++i) spread[bits] |= ((bits >> i) & 1U) << (4 * i);
+  }
+  return spread;
+}
+constexpr std::array<std::uint32_t, 256> kSpread = make_spread();
+
+void fill_octant(CellMask reached, std::uint32_t* hops) {
+  std::memset(hops, 0, kBrick * kBrick * sizeof *hops);
+  // Each round adds one to the cells not yet reached.
+  for (int round = 0; round < kBrick; ++round) {
+    std::uint64_t left = 0;
+    for (int x = 0; x < kBrick; ++x) {
+      left |= ~reached[x];
+      for (int y = 0; y < kBrick; ++y) {
+        hops[x * kBrick + y] += kSpread[~(reached[x] >> (8 * y)) & 0xffU];
+      }
+    }
+    if (left == 0) return;
+    reached = grow_back(reached);
+  }
+}
+
+// One octant of Atlas::jumps: one more than the smallest of the seven slots ahead.
+class JumpTable {
+ public:
+  JumpTable(const Atlas& atlas, int octant, std::uint8_t* jumps)
+      : atlas_(atlas), jumps_(jumps), beyond_(static_cast<std::size_t>(atlas.dims.z), 255) {
+    for (int a = 0; a < 3; ++a) step_[a] = ((octant >> (2 - a)) & 1) != 0 ? -1 : 1;
+  }
+
+  void fill(const Job& job) {
+    const glm::ivec3 dims = atlas_.dims;
+    for (int i = 0; i < dims.x; ++i) {
+      job.checkpoint();
+      const int x = step_.x > 0 ? dims.x - 1 - i : i;
+      for (int j = 0; j < dims.y; ++j) fill_row(x, step_.y > 0 ? dims.y - 1 - j : j);
+    }
+  }
+
+ private:
+  const std::uint8_t* row(int x, int y) const {
+    const bool inside = x >= 0 && y >= 0 && x < atlas_.dims.x && y < atlas_.dims.y;
+    return inside ? jumps_ + atlas_.place({x, y, 0}) : beyond_.data();
+  }
+
+  void fill_row(int x, int y) {
+    const int count = atlas_.dims.z;
+    const std::uint8_t* ahead[3] = {row(x + step_.x, y), row(x, y + step_.y),
+                                    row(x + step_.x, y + step_.y)};
+    std::uint8_t* out = jumps_ + atlas_.place({x, y, 0});
+    int behind = 255;  // the smallest of the four slots at the previous z
+    for (int k = 0; k < count; ++k) {
+      const int z = step_.z > 0 ? count - 1 - k : k;
+      const int beside = std::min({ahead[0][z], ahead[1][z], ahead[2][z]});
+      const bool crossing = atlas_.crossing_brick({x, y, z}) >= 0;
+      const int jump = crossing ? 0 : std::min(std::min(beside, behind) + 1, 255);
+      out[z] = static_cast<std::uint8_t>(jump);
+      behind = std::min(beside, jump);
+    }
+  }
+
+  const Atlas& atlas_;
+  std::uint8_t* jumps_;
+  std::vector<std::uint8_t> beyond_;  // no crossing bricks there
+  glm::ivec3 step_{1};
+};
+
 }  // namespace
 
-float brick_slope(const float* samples) {
+BrickRange brick_range(const float* samples) {
+  float low = samples[0];
+  float high = samples[0];
+  float size = 0;
   float x = 0;
   float y = 0;
   float z = 0;
+  for (int i = 0; i < Atlas::kSamples; ++i) {
+    low = std::min(low, samples[i]);
+    high = std::max(high, samples[i]);
+    size += 0 * samples[i];
+  }
+  // A partial derivative is a mean of differences along edges of its direction.
   for (int i = 0; i < Atlas::kSamples - kEdge * kEdge; ++i) {
     x = std::max(x, std::abs(samples[i + kEdge * kEdge] - samples[i]));
   }
@@ -73,68 +163,27 @@ float brick_slope(const float* samples) {
     if (row % kEdge == kEdge - 1) continue;
     for (int i = 0; i < kEdge; ++i) y = std::max(y, std::abs(p[i + kEdge] - p[i]));
   }
-  return std::sqrt(x * x + y * y + z * z);
+  return {low, high, std::sqrt(x * x + y * y + z * z), size == 0};
 }
 
-bool fill_hops(const float* samples, float margin, std::uint8_t* hops) {
+void fill_hops(const float* samples, float margin, std::uint32_t* hops) {
   const CellMask above = full_cells(sample_mask(samples, [&](float v) { return v > margin; }));
   const CellMask below = full_cells(sample_mask(samples, [&](float v) { return v < -margin; }));
-  CellMask reached{};
-  std::uint64_t any = 0;
-  for (int x = 0; x < kBrick; ++x) any |= reached[x] = ~(above[x] | below[x]);
-  std::memset(hops, any != 0 ? 0 : kBrick, Atlas::kCells);
-  if (any == 0) return false;
-  // Each round adds one to the cells not yet reached.
-  for (std::uint64_t left = ~0ULL; left != 0; reached = dilate(reached)) {
-    left = 0;
-    for (int x = 0; x < kBrick; ++x) {
-      left |= ~reached[x];
-      for (int i = 0; i < kBrick * kBrick; ++i) hops[x * 64 + i] += !((reached[x] >> i) & 1U);
-    }
+  CellMask crossing{};
+  for (int x = 0; x < kBrick; ++x) crossing[x] = ~(above[x] | below[x]);
+  for (int octant = 0; octant < Atlas::kOctants; ++octant) {
+    fill_octant(mirrored(crossing, octant), hops + octant * kBrick * kBrick);
   }
-  return true;
 }
 
 void fill_jumps(Atlas& atlas, const Job& job) {
-  const glm::ivec3 dims = atlas.dims;
-  // The Chebyshev distance is exact after one sweep forwards and one backwards over the neighbours
-  // already passed.
-  std::vector<std::int32_t>& jumps = atlas.jumps;
-  const int far = std::max({dims.x, dims.y, dims.z});
-  jumps.assign(atlas.bricks.size(), -far);
-  parallel_for(jumps.size(), 1 << 14, job, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::int32_t brick = atlas.bricks[i];
-      if (brick < 0) continue;
-      const std::uint8_t* hops = atlas.hops.data() + std::size_t(brick) * Atlas::kCells;
-      if (hops[0] < kBrick) jumps[i] = brick;
+  const std::size_t slots = atlas.bricks.size();
+  atlas.jumps.resize(Atlas::kOctants * slots);
+  parallel_for(Atlas::kOctants, 1, job, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t octant = begin; octant < end; ++octant) {
+      JumpTable(atlas, int(octant), atlas.jumps.data() + octant * slots).fill(job);
     }
   });
-  const auto relax = [&](const glm::ivec3& slot, int side) {
-    std::int32_t& jump = jumps[atlas.place(slot)];
-    if (jump >= 0) return;
-    for (int n = 0; n < 13; ++n) {
-      // The 13 neighbours that come before in the order of the tables, or after.
-      const glm::ivec3 other = slot + side * glm::ivec3(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
-      if (other.x < 0 || other.y < 0 || other.z < 0 || other.x >= dims.x || other.y >= dims.y ||
-          other.z >= dims.z) {
-        continue;
-      }
-      jump = std::max(jump, std::min(jumps[atlas.place(other)], 0) - 1);
-    }
-  };
-  for (int x = 0; x < dims.x; ++x) {
-    job.checkpoint();
-    for (int y = 0; y < dims.y; ++y) {
-      for (int z = 0; z < dims.z; ++z) relax({x, y, z}, 1);
-    }
-  }
-  for (int x = dims.x; x-- > 0;) {
-    job.checkpoint();
-    for (int y = dims.y; y-- > 0;) {
-      for (int z = dims.z; z-- > 0;) relax({x, y, z}, -1);
-    }
-  }
 }
 
 }  // namespace sdfgrid

@@ -1,12 +1,13 @@
 #include "sdfgrid/trace/beam.h"
 
 #include <algorithm>
-#include <glm/common.hpp>
+#include <cmath>
 #include <limits>
 
 namespace sdfgrid {
 namespace {
 
+constexpr int kBrick = Atlas::kBrick;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Added to the beam's radius for the rounding of positions.
 constexpr double kSlack = 1e-6;
@@ -16,6 +17,7 @@ struct Border {
   double at;
   double speed;
 
+  [[nodiscard]] double place(double t) const { return at + speed * t; }
   // From and until when it is above `limit`.
   [[nodiscard]] double first_above(double limit) const {
     if (at > limit) return 0;
@@ -27,7 +29,7 @@ struct Border {
   }
   // How long it stays at `limit` or below, from t on; t if it is above there.
   [[nodiscard]] double stays_below(double limit, double t) const {
-    if (at + speed * t > limit) return t;
+    if (place(t) > limit) return t;
     return speed > 0 ? (limit - at) / speed : kInfinity;
   }
 };
@@ -48,38 +50,52 @@ void clip(const Beam& beam, const glm::dvec3& size, double& from, double& to) {
   }
 }
 
-// How far the beam, at t, stays in the box; t if it is not in it.
-double leave(const Beam& beam, double t, const glm::dvec3& lo, const glm::dvec3& hi) {
-  double exit = kInfinity;
-  for (int a = 0; a < 3; ++a) {
-    exit = std::min(
-        {exit, upper(beam, a).stays_below(hi[a], t), lower(beam, a).stays_below(-lo[a], t)});
+// The cubes of bricks that Atlas::jumps has for the beam's octant.
+class EmptyCubes {
+ public:
+  EmptyCubes(const Atlas& atlas, const Beam& beam) : atlas_(atlas), beam_(beam) {
+    for (int a = 0; a < 3; ++a) {
+      back_[a] = beam.axis[a] < 0;
+      octant_ = 2 * octant_ + (back_[a] ? 1 : 0);
+    }
   }
-  return exit;
-}
+
+  // How far the beam, at t, stays in the cube that starts at its hindmost slot; t if it does not
+  // fit. Beyond the tables all is empty, so at their ends a cube goes on for ever.
+  [[nodiscard]] double leave(double t) const {
+    glm::ivec3 slot;
+    for (int a = 0; a < 3; ++a) {
+      const double rear = back_[a] ? upper(beam_, a).place(t) : -lower(beam_, a).place(t);
+      slot[a] = static_cast<int>(std::clamp(std::floor(rear / kBrick), 0.0, atlas_.dims[a] - 1.0));
+    }
+    const int jump = atlas_.jumps[octant_ * atlas_.bricks.size() + atlas_.place(slot)];
+    if (jump == 0) return t;
+    double exit = kInfinity;
+    for (int a = 0; a < 3; ++a) {
+      const int first = back_[a] ? slot[a] - jump + 1 : slot[a];
+      const int end = back_[a] ? slot[a] + 1 : slot[a] + jump;
+      if (end < atlas_.dims[a]) exit = std::min(exit, upper(beam_, a).stays_below(kBrick * end, t));
+      if (first > 0) exit = std::min(exit, lower(beam_, a).stays_below(-kBrick * first, t));
+    }
+    return exit;
+  }
+
+ private:
+  const Atlas& atlas_;
+  const Beam& beam_;
+  bool back_[3]{};
+  std::size_t octant_ = 0;
+};
 
 }  // namespace
 
 double march(const Atlas& atlas, const Beam& beam, double from) {
   double to = kInfinity;
-  clip(beam, glm::dvec3(atlas.dims * Atlas::kBrick), from, to);
+  clip(beam, glm::dvec3(atlas.dims * kBrick), from, to);
+  const EmptyCubes cubes(atlas, beam);
   double t = from;
   while (t < to) {
-    const glm::dvec3 place = (beam.origin + t * beam.axis) / double(Atlas::kBrick);
-    const glm::dvec3 last(atlas.dims - 1);
-    const glm::ivec3 slot(glm::clamp(glm::floor(place), glm::dvec3(0.0), last));
-    const std::int32_t jump = atlas.jumps[atlas.place(slot)];
-    if (jump >= 0) return t;
-    // The empty cube, which goes on for ever where it reaches the end of the tables.
-    glm::dvec3 lo;
-    glm::dvec3 hi;
-    for (int a = 0; a < 3; ++a) {
-      const int first = slot[a] + jump + 1;
-      const int end = slot[a] - jump;
-      lo[a] = first <= 0 ? -kInfinity : first * double(Atlas::kBrick);
-      hi[a] = end >= atlas.dims[a] ? kInfinity : end * double(Atlas::kBrick);
-    }
-    const double exit = leave(beam, t, lo, hi);
+    const double exit = cubes.leave(t);
     if (!(exit > t)) return t;
     t = exit;
   }

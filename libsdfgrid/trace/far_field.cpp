@@ -159,7 +159,7 @@ std::vector<glm::vec3> surface_points(const Atlas& atlas, const Job& job) {
       for (int y = 0; y < atlas.dims.y; ++y) {
         for (int z = 0; z < atlas.dims.z; ++z) {
           const glm::ivec3 slot(static_cast<int>(x), y, z);
-          const std::int32_t brick = atlas.jumps[atlas.place(slot)];
+          const std::int32_t brick = atlas.crossing_brick(slot);
           if (brick < 0) continue;
           const float* samples =
               atlas.samples.data() + static_cast<std::size_t>(brick) * Atlas::kSamples;

@@ -17,7 +17,6 @@ constexpr float kSteep = 64;
 constexpr int kBrick = 8;
 constexpr int kEdge = 9;
 constexpr int kSamples = kEdge * kEdge * kEdge;
-constexpr int kCellBits = 9;  // of the cells of a brick
 
 inline I16 lanes(std::uint32_t mask) {
   I16 r;
@@ -25,17 +24,14 @@ inline I16 lanes(std::uint32_t mask) {
   return r;
 }
 
-inline std::int32_t gather_byte(const std::uint8_t* p, std::int32_t index) { return p[index]; }
-
-// Lanes outside of `mask` get 0 and read nothing outside of the table.
-inline I16 gather_bytes(const std::uint8_t* p, I16 index) {
+// Whole words, so that nothing is read beyond the table, whose size is a multiple of four.
+inline I16 gather_byte(const std::uint8_t* p, I16 index) {
 #if defined(__AVX512F__)
-  // Whole words, so that nothing is read beyond the table, whose size is a multiple of four.
   const I16 word = (I16)_mm512_i32gather_epi32((__m512i)(index >> 2), p, 4);
   return (word >> ((index & 3) << 3)) & 0xff;
 #else
   I16 r;
-  for (int i = 0; i < kLanes; ++i) r[i] = gather_byte(p, index[i]);
+  for (int i = 0; i < kLanes; ++i) r[i] = p[index[i]];
   return r;
 #endif
 }
@@ -44,8 +40,9 @@ struct Rays {
   F16 origin[3];     // relative to the base cell, mirrored
   F16 direction[3];  // > 0
   F16 inverse[3];
-  I16 base[3];   // a cell of the lattice
+  I16 base[3];   // the base cell, mirrored: what to add to relative ones
   I16 flip[3];   // 0 or -1: mirrored
+  I16 octant;    // as in Atlas
   I16 limit[3];  // first mirrored cell beyond the tables, relative to base
 };
 
@@ -76,19 +73,22 @@ inline I16 clip(const PacketScene& scene, const PacketRays& in, D16& from) {
 // Splits the rays' places at `from` into a cell and the rest, in double, and starts there.
 inline void rebase(const PacketScene& scene, const PacketRays& in, const D16& from, Rays& rays,
                    State& state) {
+  rays.octant = splat(0);
   for (int a = 0; a < 3; ++a) {
     const std::int32_t cells = scene.dims[a] * kBrick;
     const D16 direction = load16(in.direction[a]);
     const D16 place = load16(in.origin[a]) + from * direction;
-    rays.base[a] = to_int(min(max(place, splat16(0)), splat16(cells - 1)));
-    const F16 rest = to_float(place - to_double(rays.base[a]));
+    const I16 base = to_int(min(max(place, splat16(0)), splat16(cells - 1)));
+    const F16 rest = to_float(place - to_double(base));
     const F16 d = to_float(direction);
     rays.flip[a] = d < 0.0F;
     rays.origin[a] = select(rays.flip[a], -rest, rest);
     // Flatter than this a ray stays in its cell; 0 would make the plane at hand 0 / 0 away.
     rays.direction[a] = max(abs(d), splat(1e-30F));
     rays.inverse[a] = 1.0F / rays.direction[a];
-    rays.limit[a] = select(rays.flip[a], rays.base[a], cells - rays.base[a]);
+    rays.base[a] = select(rays.flip[a], -base, base);
+    rays.limit[a] = select(rays.flip[a], base, cells - base);
+    rays.octant = 2 * rays.octant - rays.flip[a];
     state.cell[a] = rays.flip[a];
   }
   state.t = splat(0.0F);
@@ -96,31 +96,32 @@ inline void rebase(const PacketScene& scene, const PacketRays& in, const D16& fr
 
 // One jump of the walking lanes, or their arrival.
 inline void walk(const PacketScene& scene, const Rays& rays, State& state) {
-  I16 slot[3];
-  I16 at[3];
+  I16 slot[3];   // of the lattice
+  I16 along[3];  // within the brick, mirrored
   for (int a = 0; a < 3; ++a) {
-    const I16 cell = (state.cell[a] ^ rays.flip[a]) + rays.base[a];
-    slot[a] = cell >> 3;
-    at[a] = cell & 7;
+    const I16 cell = state.cell[a] + rays.base[a];
+    slot[a] = (cell ^ rays.flip[a]) >> 3;
+    along[a] = cell & 7;
   }
-  const I16 place = slot[0] * (scene.dims[1] * scene.dims[2]) + slot[1] * scene.dims[2] + slot[2];
-  const I16 jump = gather(scene.jumps, state.walking & place);
-  const I16 in_brick = jump >= 0;
-  const I16 hop_place = (jump << kCellBits) + (at[0] << 6) + (at[1] << 3) + at[2];
-  const I16 hop = gather_bytes(scene.hops, in_brick & hop_place);
-  const I16 arriving = state.walking & in_brick & (hop == 0);
+  const std::int32_t plane_slots = scene.dims[1] * scene.dims[2];
+  const I16 place = state.walking & (slot[0] * plane_slots + slot[1] * scene.dims[2] + slot[2]);
+  const I16 jump = gather_byte(scene.jumps, place + rays.octant * (scene.dims[0] * plane_slots));
+  const I16 in_brick = state.walking & (jump == 0);
+  const I16 brick = in_brick & gather(scene.bricks, place);
+  const I16 word = gather(reinterpret_cast<const std::int32_t*>(scene.hops),
+                          (((brick << 3) + rays.octant) << 6) + (along[0] << 3) + along[1]);
+  const I16 hop = (word >> (along[2] << 2)) & 15;
+  const I16 arriving = in_brick & (hop == 0);
   state.steps -= state.walking;
   state.arrived |= arriving;
-  state.brick = select(arriving, jump, state.brick);
+  state.brick = select(arriving, brick, state.brick);
   const I16 moving = state.walking & ~arriving;
-  // To the far side of the empty cube, which ends at the brick's if it is one of cells.
   I16 plane[3];
   F16 times[3];
   for (int a = 0; a < 3; ++a) {
-    const I16 along = at[a] ^ (rays.flip[a] & 7);
-    const I16 inner = hop + along;
-    const I16 far = select(in_brick, select(inner < 8, inner, splat(8)), jump * -8);
-    plane[a] = state.cell[a] + far - along;
+    const I16 left = 8 - along[a];
+    const I16 far = select(in_brick, select(hop < left, hop, left), (jump << 3) - along[a]);
+    plane[a] = state.cell[a] + far;
     times[a] = (to_float(plane[a]) - rays.origin[a]) * rays.inverse[a];
   }
   const F16 exit = min(min(times[0], times[1]), times[2]);
@@ -128,9 +129,9 @@ inline void walk(const PacketScene& scene, const Rays& rays, State& state) {
   for (int a = 0; a < 3; ++a) {
     // Never back, and across the plane of exit whatever the rounding says.
     const I16 reached = to_int(floor(rays.origin[a] + exit * rays.direction[a]));
-    I16 next = reached > state.cell[a] ? reached : state.cell[a];
-    next = next < plane[a] ? next : plane[a] - 1;
-    next = times[a] <= exit ? plane[a] : next;
+    I16 next = select(reached > state.cell[a], reached, state.cell[a]);
+    next = select(next < plane[a], next, plane[a] - 1);
+    next = select(times[a] <= exit, plane[a], next);
     state.cell[a] = select(moving, next, state.cell[a]);
     beyond |= state.cell[a] >= rays.limit[a];
   }
@@ -151,7 +152,7 @@ inline Cubic cell_cubic(const PacketScene& scene, const Rays& rays, const State&
   I16 step[3];
   F16 from[3];
   for (int a = 0; a < 3; ++a) {
-    const I16 at = ((state.cell[a] ^ rays.flip[a]) + rays.base[a]) & 7;
+    const I16 at = ((state.cell[a] + rays.base[a]) ^ rays.flip[a]) & 7;
     index += (at - rays.flip[a]) * kStride[a];
     step[a] = (rays.flip[a] ^ kStride[a]) - rays.flip[a];
     from[a] = (rays.origin[a] - to_float(state.cell[a])) + state.t * rays.direction[a];
@@ -284,7 +285,7 @@ inline void solve(const PacketScene& scene, const Rays& rays, I16 inside, const 
   const I16 passing = state.arrived & ~bracket.found & ~bracket.unsure;
   I16 beyond = exit > kSegment;
   for (int a = 0; a < 3; ++a) {
-    const I16 next = times[a] <= exit ? plane[a] : state.cell[a];
+    const I16 next = select(times[a] <= exit, plane[a], state.cell[a]);
     state.cell[a] = select(passing, next, state.cell[a]);
     beyond |= state.cell[a] >= rays.limit[a];
   }

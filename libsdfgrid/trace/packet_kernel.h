@@ -22,8 +22,9 @@
 namespace sdfgrid {
 
 struct PacketScene {
-  const std::int32_t* jumps;
-  const std::uint8_t* hops;
+  const std::int32_t* bricks;
+  const std::uint8_t* jumps;
+  const std::uint32_t* hops;
   const float* samples;
   std::int32_t dims[3];  // slots
   float tolerance;       // of a value, in cells

@@ -23,7 +23,8 @@ class Tracer {
  public:
   Tracer(const Atlas& atlas, const Camera& camera, HitBuffer& hits)
       : atlas_(atlas), rays_(camera), hits_(hits), kernel_(packet_kernel()) {
-    scene_ = {atlas.jumps.data(),
+    scene_ = {atlas.bricks.data(),
+              atlas.jumps.data(),
               atlas.hops.data(),
               atlas.samples.data(),
               {atlas.dims.x, atlas.dims.y, atlas.dims.z},

@@ -13,78 +13,79 @@ namespace {
 
 constexpr int kBrick = Atlas::kBrick;
 
-// A ray in units of cells, counted from the first slot of the tables.
+// A ray in units of cells, counted from the first slot of the tables, and mirrored so that it runs
+// towards growing coordinates on all axes; a mirrored cell c is the cell ~c of the lattice.
 struct CellRay {
   glm::dvec3 origin;
-  glm::dvec3 direction;
+  glm::dvec3 direction;  // > 0
   glm::dvec3 inverse;
-  glm::ivec3 forward;  // 1 where the direction's component is not negative, else 0
+  glm::ivec3 flip;  // -1 where mirrored, else 0
+  int octant = 0;   // as in Atlas
 
+  [[nodiscard]] glm::ivec3 real(const glm::ivec3& cell) const { return cell ^ flip; }
+  // Exact, so the same serves for directions.
+  [[nodiscard]] glm::dvec3 real(const glm::dvec3& place) const {
+    return glm::dvec3(2 * flip + 1) * place;
+  }
   [[nodiscard]] glm::dvec3 at(double t) const { return origin + t * direction; }
 };
 
 CellRay cell_ray(const Atlas& atlas, const Ray& ray) {
-  CellRay r{};
-  r.origin = atlas.lattice.to_index(ray.origin) - glm::dvec3(atlas.lo * kBrick);
-  r.direction = ray.direction;
+  CellRay r;
+  const glm::dvec3 origin = atlas.lattice.to_index(ray.origin) - glm::dvec3(atlas.lo * kBrick);
   for (int a = 0; a < 3; ++a) {
-    // A direction so flat never leaves its cell that way; an infinite inverse would make 0 * inf.
-    constexpr double kFlat = 1e-300;
-    double& d = r.direction[a];
-    if (std::abs(d) < kFlat) d = kFlat;
-    r.inverse[a] = 1 / d;
-    r.forward[a] = d > 0 ? 1 : 0;
+    r.flip[a] = ray.direction[a] < 0 ? -1 : 0;
+    r.octant = 2 * r.octant - r.flip[a];
+    // A ray so flat never leaves its cell that way; an infinite inverse would make 0 * inf.
+    r.direction[a] = std::max(std::abs(ray.direction[a]), 1e-300);
+    r.inverse[a] = 1 / r.direction[a];
   }
+  r.origin = r.real(origin);
   return r;
 }
 
-// Clips [from, to] to the box of the tables; false if nothing is left.
-bool clip(const CellRay& ray, const glm::ivec3& cells, double& from, double& to) {
+// Clips [from, to] to the mirrored box of cells [lo, hi); false if nothing is left.
+bool clip(const CellRay& ray, const glm::ivec3& lo, const glm::ivec3& hi, double& from,
+          double& to) {
   for (int a = 0; a < 3; ++a) {
-    const double zero = -ray.origin[a] * ray.inverse[a];
-    const double end = (cells[a] - ray.origin[a]) * ray.inverse[a];
-    from = std::max(from, std::min(zero, end));
-    to = std::min(to, std::max(zero, end));
+    from = std::max(from, (lo[a] - ray.origin[a]) * ray.inverse[a]);
+    to = std::min(to, (hi[a] - ray.origin[a]) * ray.inverse[a]);
   }
   return from < to;
 }
 
-// Where the ray leaves the box of cells [lo, hi): the time, and the cell after, into `cell`. The
-// cell never moves against the ray, and always moves along one axis, so a walk ends.
-double leave(const CellRay& ray, const glm::ivec3& lo, const glm::ivec3& hi, glm::ivec3& cell) {
-  int axis = 0;
-  double exit = std::numeric_limits<double>::infinity();
+// When the ray reaches the first of the planes before the cells `past`, and into `cell` the cell
+// there. The cell never moves back, and always moves along one axis, so a walk ends.
+double leave(const CellRay& ray, const glm::ivec3& past, glm::ivec3& cell) {
+  const glm::dvec3 times = (glm::dvec3(past) - ray.origin) * ray.inverse;
+  const double exit = std::min({times.x, times.y, times.z});
+  const glm::dvec3 place = ray.at(exit);
   for (int a = 0; a < 3; ++a) {
-    const double t = ((ray.forward[a] != 0 ? hi[a] : lo[a]) - ray.origin[a]) * ray.inverse[a];
-    if (t < exit) {
-      exit = t;
-      axis = a;
-    }
-  }
-  for (int a = 0; a < 3; ++a) {
-    const bool forward = ray.forward[a] != 0;
-    if (a == axis) {
-      cell[a] = forward ? hi[a] : lo[a] - 1;
-    } else {
-      const double at = std::floor(ray.origin[a] + exit * ray.direction[a]);
-      const double first = forward ? cell[a] : lo[a];
-      const double last = forward ? hi[a] - 1 : cell[a];
-      cell[a] = static_cast<int>(std::clamp(at, first, last));
-    }
+    const double reached = std::clamp<double>(std::floor(place[a]), cell[a], past[a] - 1);
+    cell[a] = times[a] <= exit ? past[a] : static_cast<int>(reached);
   }
   return exit;
 }
 
-void load_corners(const float* samples, const glm::ivec3& at, double (&corners)[8]) {
+// The edge of the empty cube ahead of a cell of a crossing brick, in cells; 0 if it is crossing.
+int hop(const Atlas& atlas, std::int32_t brick, int octant, const glm::ivec3& cell) {
+  const std::uint32_t* hops =
+      atlas.hops.data() + std::size_t(brick) * Atlas::kHops + octant * kBrick * kBrick;
+  const glm::ivec3 at = cell & (kBrick - 1);
+  return static_cast<int>(hops[at.x * kBrick + at.y] >> (4 * at.z) & 15U);
+}
+
+void load_corners(const Atlas& atlas, std::int32_t brick, const glm::ivec3& at,
+                  double (&corners)[8]) {
+  const float* samples = atlas.samples.data() + std::size_t(brick) * Atlas::kSamples;
   for (int n = 0; n < 8; ++n) {
     const glm::ivec3 c = at + glm::ivec3(n >> 2, (n >> 1) & 1, n & 1);
     corners[n] = samples[(c.x * Atlas::kEdge + c.y) * Atlas::kEdge + c.z];
   }
 }
 
-bool contains(const glm::ivec3& cells, const glm::ivec3& cell) {
-  return cell.x >= 0 && cell.y >= 0 && cell.z >= 0 && cell.x < cells.x && cell.y < cells.y &&
-         cell.z < cells.z;
+bool before(const glm::ivec3& cell, const glm::ivec3& end) {
+  return cell.x < end.x && cell.y < end.y && cell.z < end.z;
 }
 
 }  // namespace
@@ -93,31 +94,33 @@ Walk walk_ray(const Atlas& atlas, const Ray& world, double from, double to) {
   Walk walk;
   const CellRay ray = cell_ray(atlas, world);
   const glm::ivec3 cells = atlas.dims * kBrick;
+  const glm::ivec3 lo = cells * ray.flip;
+  const glm::ivec3 hi = lo + cells;
   const double start = from;
-  if (!clip(ray, cells, from, to)) return walk;
-  glm::ivec3 cell = glm::clamp(glm::ivec3(glm::floor(ray.at(from))), glm::ivec3(0), cells - 1);
+  if (!clip(ray, lo, hi, from, to)) return walk;
+  glm::ivec3 cell = glm::clamp(glm::ivec3(glm::floor(ray.at(from))), lo, hi - 1);
   // Beyond the tables all is outside.
-  const bool inside = from <= start && value_at(atlas, ray.at(from)) < 0;
-  double t = from;
-  while (t < to && contains(cells, cell)) {
+  const bool inside = from <= start && value_at(atlas, ray.real(ray.at(from))) < 0;
+  const std::uint8_t* jumps = atlas.jumps.data() + std::size_t(ray.octant) * atlas.bricks.size();
+  for (double t = from; t < to && before(cell, hi);) {
     ++walk.steps;
-    const glm::ivec3 slot = cell / kBrick;
-    const std::int32_t jump = atlas.jumps[atlas.place(slot)];
-    if (jump < 0) {
-      t = leave(ray, (slot + jump + 1) * kBrick, (slot - jump) * kBrick, cell);
+    const glm::ivec3 real = ray.real(cell);
+    const std::size_t place = atlas.place(real >> 3);
+    if (jumps[place] > 0) {
+      t = leave(ray, (cell & ~7) + kBrick * jumps[place], cell);
       continue;
     }
-    const glm::ivec3 corner = slot * kBrick;
-    const glm::ivec3 at = cell - corner;
-    const int hop = atlas.hops[std::size_t(jump) * Atlas::kCells + (at.x * 8 + at.y) * 8 + at.z];
-    if (hop > 0) {
-      t = leave(ray, glm::max(corner, cell - hop + 1), glm::min(corner + kBrick, cell + hop), cell);
+    const std::int32_t brick = atlas.bricks[place];
+    const int edge = hop(atlas, brick, ray.octant, cell);
+    if (edge > 0) {
+      t = leave(ray, glm::min(cell + edge, (cell | 7) + 1), cell);
       continue;
     }
     double corners[8];
-    load_corners(atlas.samples.data() + std::size_t(jump) * Atlas::kSamples, at, corners);
-    const Cubic cubic = cell_cubic(corners, ray.at(t) - glm::dvec3(cell), ray.direction);
-    const double exit = std::min(to, leave(ray, cell, cell + 1, cell));
+    load_corners(atlas, brick, real & 7, corners);
+    const Cubic cubic =
+        cell_cubic(corners, ray.real(ray.at(t)) - glm::dvec3(real), ray.real(ray.direction));
+    const double exit = std::min(to, leave(ray, cell + 1, cell));
     const auto crossing = first_crossing(cubic, std::max(exit - t, 0.0), inside);
     if (crossing) {
       walk.hit = true;
