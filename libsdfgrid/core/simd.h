@@ -139,6 +139,9 @@ inline void store(std::int32_t* p, I16 v) { __builtin_memcpy(p, &v, sizeof v); }
 inline F16 min(F16 a, F16 b) { return (F16)_mm512_min_ps((__m512)a, (__m512)b); }
 inline F16 max(F16 a, F16 b) { return (F16)_mm512_max_ps((__m512)a, (__m512)b); }
 inline F16 sqrt(F16 a) { return (F16)_mm512_sqrt_ps((__m512)a); }
+inline F16 fma(F16 a, F16 b, F16 c) {
+  return (F16)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c);
+}
 inline F16 abs(F16 a) { return (F16)_mm512_abs_ps((__m512)a); }
 inline F16 floor(F16 a) { return (F16)_mm512_floor_ps((__m512)a); }
 // One bit a lane, lane 0 lowest.
@@ -170,6 +173,15 @@ inline F16 sqrt(const F16& a) {
   F16 r;
   for (int i = 0; i < kLanes; ++i) r[i] = __builtin_sqrtf(a[i]);
   return r;
+#endif
+}
+inline F16 fma(const F16& a, const F16& b, const F16& c) {
+#if defined(__FMA__)
+  return by_part<F16>([&](int i) {
+    return (FPart)_mm256_fmadd_ps((__m256)a.part[i], (__m256)b.part[i], (__m256)c.part[i]);
+  });
+#else
+  return a * b + c;
 #endif
 }
 inline I16 to_int(const F16& a) {
@@ -214,6 +226,16 @@ inline I16 gather(const std::int32_t* p, const I16& index) {
 }
 
 #endif
+
+// a * b + c, rounded once where the machine has such an instruction. Written out where bits must be
+// the same on AVX2 and AVX-512: which product of a sum the compiler fuses is its own choice.
+inline double fma(double a, double b, double c) {
+#if defined(__FMA__)
+  return __builtin_fma(a, b, c);
+#else
+  return a * b + c;
+#endif
+}
 
 inline bool any(I16 mask) { return bits(mask) != 0; }
 inline bool all(I16 mask) { return bits(mask) == 0xffffU; }

@@ -55,7 +55,7 @@ struct Distance16 {
 };
 
 inline F16 linear(const TriangleFrame& f, int i, const Point16& p) {
-  return f.gx[i] * p.x + f.gy[i] * p.y + f.gz[i] * p.z;
+  return fma(splat(f.gz[i]), p.z, fma(splat(f.gy[i]), p.y, f.gx[i] * p.x));
 }
 
 inline Distance16 distance(const TriangleFrame& f, const Point16& p) {
@@ -68,14 +68,14 @@ inline Distance16 distance(const TriangleFrame& f, const Point16& p) {
     const F16 along = linear(f, 1 + i, p);
     beyond[i] = min(along + f.k[1 + i], zero) + max(along + f.w[i], zero);
     across[i] = linear(f, 4 + i, p) + f.k[4 + i];
-    edge[i] = beyond[i] * beyond[i] + across[i] * across[i];
+    edge[i] = fma(beyond[i], beyond[i], across[i] * across[i]);
   }
   // The foot on the longest edge lies on that edge for every point over the face. Asking for it
   // keeps rounding in `across` from calling a point far beyond the tip of a needle "inside".
   const I16 face =
       (across[0] > zero) & (across[1] > zero) & (across[2] > zero) & (beyond[0] == zero);
   const F16 nearest_edge = min(edge[0], min(edge[1], edge[2]));
-  return {height * height + select(face, zero, nearest_edge), height, face};
+  return {fma(height, height, select(face, zero, nearest_edge)), height, face};
 }
 
 // Fills the list of each group with the triangles that can be nearest to one of its samples.
@@ -198,7 +198,7 @@ void finish(const BrickDistances& distances, const std::uint64_t negative[8],
 
 void functions_at(const TriangleRecord& r, const double c[3], double value[8]) {
   for (int f = 0; f < TriangleRecord::kFunctions; ++f) {
-    value[f] = r.gx[f] * c[0] + r.gy[f] * c[1] + r.gz[f] * c[2] + r.k[f];
+    value[f] = fma(r.gx[f], c[0], fma(r.gy[f], c[1], fma(r.gz[f], c[2], r.k[f])));
   }
 }
 
@@ -224,11 +224,11 @@ double squared_distance(const TriangleRecord& r, const double center[3]) {
     const double s = value[1 + i];
     const double t = value[4 + i];
     const double beyond = (s < 0 ? s : 0.0) + (s > r.length[i] ? s - r.length[i] : 0.0);
-    const double d = beyond * beyond + t * t;
+    const double d = fma(beyond, beyond, t * t);
     edge = d < edge ? d : edge;
     face = face && t > 0 && (i > 0 || beyond == 0);
   }
-  return value[0] * value[0] + (face ? 0.0 : edge);
+  return fma(value[0], value[0], face ? 0.0 : edge);
 }
 
 }  // namespace
