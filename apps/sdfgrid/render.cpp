@@ -194,7 +194,7 @@ Image make_image(const Options& options, const Atlas& atlas, const Rendering& r,
   return image;
 }
 
-void report(const Rendering& r, const Stopwatch& watch, Context& context) {
+void report(const std::string& path, const Rendering& r, const Stopwatch& watch, Context& context) {
   const auto hits = static_cast<std::size_t>(std::count_if(
       r.hits.depth.begin(), r.hits.depth.end(), [](float d) { return std::isfinite(d); }));
   const auto steps = std::accumulate(r.hits.steps.begin(), r.hits.steps.end(), std::uint64_t{0});
@@ -207,6 +207,9 @@ void report(const Rendering& r, const Stopwatch& watch, Context& context) {
   result["steps_max"] = *std::max_element(r.hits.steps.begin(), r.hits.steps.end());
   result["refined"] = r.picture.refined;
   result["seconds"] = watch.seconds();
+  context.print("{}: {} x {} pixels, {} of {} rays hit, {:.1f} steps a ray, {:.2f} s", path,
+                r.hits.width, r.hits.height, hits, r.hits.size(),
+                result["steps_mean"].get<double>(), result["seconds"]["total"].get<double>());
 }
 
 void check_aovs(const Options& options) {
@@ -231,7 +234,7 @@ Exit run(const Options& options, Context& context) {
   if (surroundings.points.empty()) {
     context.warn(options.input + " has no surface: the picture shows the background only");
   } else if (distance_at(atlas, r.camera.eye) < 0) {
-    context.warn("the camera is inside the object, where no light comes");
+    context.warn("the camera is inside the object and sees its surface from behind");
   }
   r.hits = trace_primary(atlas, r.camera, job);
   watch.lap("trace");
@@ -239,7 +242,7 @@ Exit run(const Options& options, Context& context) {
   watch.lap("shade");
   write_image(options.output.path, make_image(options, atlas, r, job));
   watch.lap("write");
-  report(r, watch, context);
+  report(options.output.path, r, watch, context);
   return Exit::done;
 }
 
@@ -263,6 +266,7 @@ Run add_render(CLI::App& app) {
   add_camera(app, *options);
   app.add_option("--aov", options->aovs, "further channels of an .exr: " + one_of(kAovs))
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->each([](const std::string& word) {
         if (std::find(kAovs.begin(), kAovs.end(), word) == kAovs.end()) {
           refuse_choice("--aov", word, kAovs);
@@ -272,7 +276,8 @@ Run add_render(CLI::App& app) {
                  "rays for a pixel with an edge in it; 1 for no antialiasing")
       ->capture_default_str()
       ->check(CLI::Range(1, 256));
-  app.add_flag("!--no-floor", options->look.floor, "no shadow under the content");
+  app.add_flag_callback(
+      "--no-floor", [options] { options->look.floor = false; }, "no shadow under the content");
   return [options](Context& context) { return run(*options, context); };
 }
 
