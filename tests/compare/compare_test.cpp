@@ -10,10 +10,12 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <vector>
 
 #include "property/random_meshes.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/grid/compare_summary.h"
 #include "sdfgrid/grid/vdb.h"
 #include "sdfgrid/mesh/reference.h"
 
@@ -78,6 +80,25 @@ Comparison measured(const Grid& grid, const TriangleSoup& mesh) {
 
 void set(const Grid& grid, const glm::ivec3& at, float value) {
   vdb(grid)->tree().setValueOnly(openvdb::Coord(at.x, at.y, at.z), value);
+}
+
+// ---- many errors in a few numbers ---------------------------------------------------------------
+
+TEST(Summary, OfOneToTwoHundred) {
+  std::vector<SampleError> samples(250);  // fifty found no place
+  for (int i = 0; i < 200; ++i) {
+    const int shuffled = 1 + (i * 77) % 200;
+    samples[i] = {true, shuffled % 10 == 0, static_cast<double>(shuffled), dvec3(shuffled)};
+  }
+  const ErrorSummary summary = summarize(samples);
+  EXPECT_EQ(summary.samples, 200U);
+  EXPECT_EQ(summary.max_error, 200);
+  EXPECT_EQ(summary.worst, dvec3(200));
+  EXPECT_EQ(summary.p99_error, 198);
+  EXPECT_EQ(summary.mean_error, 100.5);
+  EXPECT_DOUBLE_EQ(summary.rms_error, std::sqrt(201.0 * 401.0 / 6.0));
+  EXPECT_EQ(summary.sign_errors, 20U);
+  EXPECT_EQ(summarize({}).samples, 0U);
 }
 
 // ---- what is right reads zero -------------------------------------------------------------------
