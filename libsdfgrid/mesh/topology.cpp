@@ -46,7 +46,7 @@ glm::dvec3 vertex_normal(const TriangleSoup& soup, const Topology& topology, std
 Topology::Topology(const TriangleSoup& soup)
     : first_(soup.points.size() + 1, 0),
       faces_(3 * soup.triangles.size()),
-      across_(soup.triangles.size(), {kNone, kNone, kNone}) {
+      triangles_(soup.triangles) {
   for (const glm::uvec3& t : soup.triangles) {
     for (int k = 0; k < 3; ++k) ++first_[t[k] + 1];
   }
@@ -55,29 +55,21 @@ Topology::Topology(const TriangleSoup& soup)
   for (std::uint32_t t = 0; t < soup.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) faces_[next[soup.triangles[t][k]]++] = t;
   }
-  for (std::uint32_t t = 0; t < soup.triangles.size(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t a = soup.triangles[t][k];
-      const std::uint32_t b = soup.triangles[t][(k + 1) % 3];
-      std::uint32_t other = kNone;
-      int others = 0;
-      bool opposite = true;
-      // The end with fewer triangles: the hub of a large fan would make this quadratic.
-      for (const std::uint32_t u : around(a).size() <= around(b).size() ? around(a) : around(b)) {
-        if (u == t) continue;
-        const int d = direction(soup.triangles[u], a, b);
-        if (d == 0) continue;
-        ++others;
-        other = u;
-        opposite = opposite && d < 0;
-      }
-      if (others == 1 && opposite && a != b) {
-        across_[t][k] = other;
-      } else {
-        ++unpaired_;
-      }
-    }
+}
+
+std::uint32_t Topology::across(std::uint32_t t, int k) const {
+  const std::uint32_t a = triangles_[t][k];
+  const std::uint32_t b = triangles_[t][(k + 1) % 3];
+  std::uint32_t other = kNone;
+  // At the end with fewer triangles: the other may be the hub of a large fan.
+  for (const std::uint32_t u : around(a).size() <= around(b).size() ? around(a) : around(b)) {
+    if (u == t) continue;
+    const int d = direction(triangles_[u], a, b);
+    if (d == 0) continue;
+    if (d > 0 || other != kNone) return kNone;
+    other = u;
   }
+  return other;
 }
 
 bool behind_pseudonormal(const TriangleSoup& soup, const Topology& topology, std::uint32_t t,

@@ -2,7 +2,6 @@
 // it.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -24,15 +23,13 @@ class Topology {
     return {faces_.data() + first_[v], first_[v + 1] - first_[v]};
   }
   // The triangle across edge k (from corner k to corner k + 1) of triangle t, or kNone unless
-  // exactly one other triangle has that edge, in the opposite direction.
-  [[nodiscard]] std::uint32_t across(std::uint32_t t, int k) const { return across_[t][k]; }
-  // Edges of triangles for which across() is kNone, counted once a triangle.
-  [[nodiscard]] std::size_t unpaired_edges() const { return unpaired_; }
+  // exactly one other triangle has that edge, in the opposite direction. Searched for at each call:
+  // conversion asks for few of them.
+  [[nodiscard]] std::uint32_t across(std::uint32_t t, int k) const;
 
  private:
   std::vector<std::uint32_t> first_, faces_;
-  std::vector<std::array<std::uint32_t, 3>> across_;
-  std::size_t unpaired_ = 0;
+  std::vector<glm::uvec3> triangles_;
 };
 
 // Whether `p` (relative to soup.origin) lies behind the pseudonormal of the feature of triangle t

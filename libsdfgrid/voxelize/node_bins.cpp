@@ -49,14 +49,22 @@ void set_segment(TriangleRecord& r, const glm::dvec3& from, const glm::dvec3& to
   set_edge(r, 2, from, along, length, normal);
 }
 
+struct Extent {
+  glm::dvec3 lo, hi;
+};
+
+Extent extent(const glm::dvec3 c[3]) {
+  return {glm::min(c[0], glm::min(c[1], c[2])), glm::max(c[0], glm::max(c[1], c[2]))};
+}
+
 struct BlockRange {
   glm::ivec3 lo, hi;  // inclusive
 };
 
 // Blocks of `edge` samples a side whose samples can be within reach of the box of the corners.
-BlockRange block_range(const glm::dvec3 c[3], double reach, int edge) {
-  const glm::dvec3 lo = glm::min(c[0], glm::min(c[1], c[2])) - reach;
-  const glm::dvec3 hi = glm::max(c[0], glm::max(c[1], c[2])) + reach;
+BlockRange block_range(const Extent& triangle, double reach, int edge) {
+  const glm::dvec3 lo = triangle.lo - reach;
+  const glm::dvec3 hi = triangle.hi + reach;
   BlockRange range;
   for (int a = 0; a < 3; ++a) {
     // The first sample at or after lo and the last at or before hi.
@@ -76,18 +84,27 @@ void for_each_block(const BlockRange& range, const Visit& visit) {
 }
 
 // Whether a sample of the block can be within reach of the triangle (never wrongly false).
-bool reaches(const BrickKernel& kernel, const TriangleRecord& record, const glm::ivec3& block,
-             int edge, double reach) {
+bool reaches(const BrickKernel& kernel, const TriangleRecord& record, const Extent& triangle,
+             const glm::ivec3& block, int edge, double reach) {
+  const double half = 0.5 * (edge - 1);
   double center[3];
   double support = 0;  // of the block along the triangle's normal
+  double apart = 0;    // squared, between the boxes of triangle and block
   const double normal[3] = {record.gx[0], record.gy[0], record.gz[0]};
   double height = record.k[0];
   for (int a = 0; a < 3; ++a) {
-    center[a] = static_cast<double>(block[a]) * edge + 0.5 * (edge - 1);
-    support += 0.5 * (edge - 1) * std::abs(normal[a]);
+    center[a] = static_cast<double>(block[a]) * edge + half;
+    support += half * std::abs(normal[a]);
     height += normal[a] * center[a];
+    const double gap =
+        std::max({triangle.lo[a] - (center[a] + half), center[a] - half - triangle.hi[a], 0.0});
+    apart += gap * gap;
   }
   if (std::abs(height) > reach + support + kSlack) return false;
+  if (apart > (reach + kSlack) * (reach + kSlack)) return false;
+  // The box and the plane of a triangle no larger than a block leave little more to cull.
+  const glm::dvec3 size = triangle.hi - triangle.lo;
+  if (std::max({size.x, size.y, size.z}) <= edge) return true;
   const double limit = reach + block_radius(edge) + kSlack;
   return kernel.squared_distance(record, center) <= limit * limit;
 }
@@ -154,12 +171,13 @@ NodeBins::NodeBins(const TriangleSoup& soup, const Lattice& lattice, double reac
         throw Error(ErrorKind::usage, "the voxel size is too small for the mesh; use a larger one");
       }
     }
-    const BlockRange range = block_range(corners, reach, kNodeEdge);
+    const Extent box = extent(corners);
+    const BlockRange range = block_range(box, reach, kNodeEdge);
     const glm::ivec3 span = range.hi - range.lo;
     const bool many = span.x + span.y + span.z > 3;  // else culling costs more than it saves
     const TriangleRecord record = many ? make_record(corners) : TriangleRecord{};
     for_each_block(range, [&](const glm::ivec3& node) {
-      if (many && !reaches(kernel, record, node, kNodeEdge, reach)) return;
+      if (many && !reaches(kernel, record, box, node, kNodeEdge, reach)) return;
       const std::uint64_t key = node_key(node);
       if (key != last_key) {
         const auto [found, is_new] =
@@ -200,11 +218,12 @@ BrickBins::BrickBins(const TriangleSoup& soup, const Lattice& lattice, double re
     glm::dvec3 corners[3];
     index_corners(soup, lattice, triangles[local], corners);
     records_.push_back(make_record(corners));
-    BlockRange range = block_range(corners, reach, kBrickEdge);
+    const Extent box = extent(corners);
+    BlockRange range = block_range(box, reach, kBrickEdge);
     range.lo = glm::max(range.lo, first_brick);
     range.hi = glm::min(range.hi, first_brick + (kNodeBricks - 1));
     for_each_block(range, [&](const glm::ivec3& brick) {
-      if (!reaches(kernel, records_.back(), brick, kBrickEdge, reach)) return;
+      if (!reaches(kernel, records_.back(), box, brick, kBrickEdge, reach)) return;
       const glm::ivec3 at = brick - first_brick;
       const auto slot =
           static_cast<std::uint16_t>((at.x * kNodeBricks + at.y) * kNodeBricks + at.z);
