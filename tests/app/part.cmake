@@ -2,8 +2,10 @@
 find_package(nlohmann_json REQUIRED)
 sdfgrid_test(app_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/contract_test.cpp
                               ${CMAKE_CURRENT_LIST_DIR}/usage_test.cpp
+                              ${CMAKE_CURRENT_LIST_DIR}/progress_test.cpp
                               ${CMAKE_CURRENT_LIST_DIR}/words_test.cpp
                               ${CMAKE_CURRENT_LIST_DIR}/process.cpp
+                              ${PROJECT_SOURCE_DIR}/apps/sdfgrid/progress.cpp
                               ${PROJECT_SOURCE_DIR}/apps/sdfgrid/words.cpp
              PACKAGES nlohmann_json::nlohmann_json)
 # Measures how fast the program lets go, so it runs alone.
