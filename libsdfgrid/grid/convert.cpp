@@ -71,6 +71,7 @@ NodeLeaves run_node(const MeshVoxelizer& voxelizer, std::size_t node, const Job&
       },
       job);
   std::erase(leaves, nullptr);
+  leaves.shrink_to_fit();  // a large grid has thousands of nodes
   return leaves;
 }
 
