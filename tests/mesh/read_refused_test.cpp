@@ -87,8 +87,8 @@ TEST(RefusedMesh, TextOfBlanks) {
   }
 }
 
-// Cut at any of these places, a file is refused, but for formats without an end where a cut may leave a whole
-// mesh.
+// Cut at any of these places, a file is refused, but for formats without an end where a cut may
+// leave a whole mesh.
 TEST(RefusedMesh, Truncated) {
   const TempDir folder;
   for (const NamedFile& file : every_variant()) {
@@ -130,6 +130,17 @@ TEST(RefusedMesh, IndicesOutOfRange) {
     expect_refused({"b.ply", replaced(ply, ply.size() - 5, -1, order),
                     "byte " + std::to_string(ply.size() - 5), "index -1 is out of range"});
   }
+}
+
+// Past the header (16 bytes), points and normals (2 + 96 each), and a chunk's own 2 bytes, the
+// cube's half-edges have a byte each for the next one, the point and the face.
+TEST(RefusedMesh, HalfEdgesOutOfRange) {
+  const std::string om = om_bytes(kCube, false);
+  expect_refused({"a.om", replaced(om, 215, std::int8_t{99}), "face", "index 99 is out of range"});
+  expect_refused(
+      {"a.om", replaced(om, 214, std::int8_t{99}), "face", "half-edge 99 is out of range"});
+  expect_refused(
+      {"a.om", replaced(om, 214, std::int8_t{0}), "face", "runs into half-edge 0 again"});
 }
 
 TEST(RefusedMesh, CoordinatesThatAreNotFinite) {
