@@ -1,11 +1,12 @@
 // mesh/read_formats.h: the readers behind read_mesh(), one a format (not installed).
 //
-// OpenMesh reads only its own format here. Its readers of the other four parse coordinates into
-// float, so that a mesh in UTM coordinates loses its millimetres; take a comment in an OFF file for
-// zeros and report success; drop the faces of an STL file that have two corners in one place; open
-// whatever file an OBJ's `mtllib` names; and trust the header's counts. To guard them, every number
-// of the file would have to be read and checked beforehand, and that is all of the work. tests/mesh
-// compares these readers with OpenMesh's on files which those read right.
+// OpenMesh 9 reads only its own format here. Its readers of the other four parse coordinates into
+// float, so that a mesh in UTM coordinates loses its millimetres; hand on uninitialized memory, and
+// report success, where an OFF file has a comment; drop the faces of an STL file that have two
+// corners in one place; open files that an OBJ's `mtllib` names; and trust the header's counts. To
+// guard them, every number of the file would have to be read and checked beforehand, and that is
+// all of the work. tests/mesh compares these readers with OpenMesh's on files which those read
+// right.
 #pragma once
 
 #include <cstdint>
