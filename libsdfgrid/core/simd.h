@@ -138,6 +138,8 @@ inline void store(std::int32_t* p, I16 v) { __builtin_memcpy(p, &v, sizeof v); }
 
 inline F16 min(F16 a, F16 b) { return (F16)_mm512_min_ps((__m512)a, (__m512)b); }
 inline F16 max(F16 a, F16 b) { return (F16)_mm512_max_ps((__m512)a, (__m512)b); }
+inline I16 min(I16 a, I16 b) { return (I16)_mm512_min_epi32((__m512i)a, (__m512i)b); }
+inline I16 max(I16 a, I16 b) { return (I16)_mm512_max_epi32((__m512i)a, (__m512i)b); }
 inline F16 sqrt(F16 a) { return (F16)_mm512_sqrt_ps((__m512)a); }
 inline F16 fma(F16 a, F16 b, F16 c) {
   return (F16)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c);
@@ -163,6 +165,8 @@ inline F16 min(const F16& a, const F16& b) {
 inline F16 max(const F16& a, const F16& b) {
   return by_part<F16>([&](int i) { return a.part[i] > b.part[i] ? a.part[i] : b.part[i]; });
 }
+inline I16 min(const I16& a, const I16& b) { return select(a < b, a, b); }
+inline I16 max(const I16& a, const I16& b) { return select(a > b, a, b); }
 inline F16 abs(const F16& a) {
   return by_part<F16>([&](int i) { return (FPart)((IPart)a.part[i] & 0x7fffffff); });
 }

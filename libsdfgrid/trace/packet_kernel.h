@@ -27,7 +27,8 @@ struct PacketScene {
   const std::uint32_t* hops;
   const float* samples;
   std::int32_t dims[3];  // slots
-  float tolerance;       // of a value, in cells
+  float tolerance;       // of a value
+  bool inside;           // the field is negative where the rays start
 };
 
 // The rays of a picture: from eye through corner + x right + y down, which is not of unit length.
@@ -35,26 +36,36 @@ struct PacketCamera {
   double eye[3], corner[3], right[3], down[3];
 };
 
+// Rays from one place, in packets of sixteen.
 struct PacketRays {
-  static constexpr int kRays = 16;
-  alignas(64) double origin[3][kRays];
+  static constexpr int kLanes = 16;
+  static constexpr int kPackets = 64;
+  static constexpr int kRays = kLanes * kPackets;
   alignas(64) double direction[3][kRays];  // unit length
-  alignas(64) double from[kRays];          // where the ray starts
-  std::uint32_t active;                    // bit i: ray i is to be traced
-  std::uint32_t inside;                    // bit i: the field is negative where ray i starts
+  alignas(64) double from[kRays];          // where the ray starts; changed by the tracer
+  double origin[3];
+  std::int32_t packets = 0;
+  std::uint32_t active[kPackets];  // a packet; bit i: lane i is to be traced
 };
 
+enum PacketOutcome : std::int32_t {
+  kMissed,
+  kHit,
+  kUnsure,  // to be done again in double
+  kGoingOn  // within the tracer only: at the end of a segment
+};
+
+// Of rays that were active.
 struct PacketHits {
-  alignas(64) double t[PacketRays::kRays];  // of the rays that hit
+  alignas(64) std::int32_t outcome[PacketRays::kRays];
   alignas(64) std::int32_t steps[PacketRays::kRays];
-  std::uint32_t hit;     // bit i: ray i hits
-  std::uint32_t unsure;  // bit i: do ray i again in double
+  alignas(64) float t[PacketRays::kRays];  // of a hit, beyond PacketRays::from
 };
 
 struct PacketKernel {
-  // The rays through the centres of 4 x 4 pixels, (x, y) the first, starting at `from`.
-  void (*make_rays)(const PacketCamera& camera, int x, int y, double from, PacketRays& rays);
-  void (*trace)(const PacketScene& scene, const PacketRays& rays, PacketHits& hits);
+  // Adds the rays through the centres of 4 x 4 pixels, (x, y) the first, starting at `from`.
+  void (*add_rays)(const PacketCamera& camera, int x, int y, double from, PacketRays& rays);
+  void (*trace)(const PacketScene& scene, PacketRays& rays, PacketHits& hits);
 };
 
 // The kernel for this machine.

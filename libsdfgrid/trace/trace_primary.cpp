@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kTile = 16;  // pixels a side
 constexpr int kPacket = 4;
+constexpr std::size_t kTask = 64;  // tiles at a time on a thread
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // One picture's worth of constants.
@@ -28,7 +29,8 @@ class Tracer {
               atlas.hops.data(),
               atlas.samples.data(),
               {atlas.dims.x, atlas.dims.y, atlas.dims.z},
-              tolerance()};
+              tolerance(),
+              false};
     eye_ = atlas.lattice.to_index(camera.eye) - glm::dvec3(atlas.lo * Atlas::kBrick);
     const glm::dvec3 corner = rays_.corner();
     for (int a = 0; a < 3; ++a) {
@@ -38,36 +40,43 @@ class Tracer {
       camera_.down[a] = rays_.down()[a];
     }
     const double value = value_at(atlas, eye_);
-    inside_ = value < 0;
+    scene_.inside = value < 0;
     // Too close to tell in float, or too many bricks for a lane's 32-bit index.
     in_double_ = !(std::abs(value) > scene_.tolerance) ||
                  atlas.samples.size() > std::size_t(std::numeric_limits<std::int32_t>::max());
   }
 
-  // Pixels of a tile that no ray can hit stay as they are.
-  void trace_tile(int left, int top) const {
-    const double start = in_double_ ? 0 : march(atlas_, beam(left, top, kTile), 0);
-    if (start == kInfinity) return;
-    for (int y = top; y < std::min(top + kTile, hits_.height); y += kPacket) {
-      for (int x = left; x < std::min(left + kTile, hits_.width); x += kPacket) {
-        if (in_double_) {
-          trace_singly(x, y, 0xffffU);
-          continue;
-        }
-        const double from = march(atlas_, beam(x, y, kPacket), start);
-        if (from < kInfinity) trace_packet(x, y, from);
-      }
+  [[nodiscard]] std::size_t tiles() const {
+    return static_cast<std::size_t>((hits_.width + kTile - 1) / kTile) *
+           static_cast<std::size_t>((hits_.height + kTile - 1) / kTile);
+  }
+
+  // Pixels that no ray can hit stay as they are.
+  void trace_tiles(std::size_t begin, std::size_t end) const {
+    const auto across = static_cast<std::size_t>((hits_.width + kTile - 1) / kTile);
+    Batch batch;
+    for (std::size_t i = begin; i < end; ++i) {
+      const int x = static_cast<int>(i % across) * kTile;
+      const int y = static_cast<int>(i / across) * kTile;
+      in_double_ ? trace_singly(x, y) : gather(x, y, batch);
     }
+    trace(batch);
   }
 
  private:
+  struct Batch {
+    PacketRays rays;
+    int pixels[PacketRays::kPackets];  // the first of each packet
+  };
+
   // Twice the error of a computed place, times the slope.
   [[nodiscard]] float tolerance() const { return 0.25F * atlas_.margin(); }
 
   // Bit i: pixel i of the packet at (x, y) is in the picture.
-  [[nodiscard]] std::uint32_t pixels(int x, int y) const {
+  [[nodiscard]] std::uint32_t in_picture(int x, int y) const {
+    if (x + kPacket <= hits_.width && y + kPacket <= hits_.height) return 0xffffU;
     std::uint32_t bits = 0;
-    for (int i = 0; i < PacketRays::kRays; ++i) {
+    for (int i = 0; i < PacketRays::kLanes; ++i) {
       if (x + i % kPacket < hits_.width && y + i / kPacket < hits_.height) bits |= 1U << i;
     }
     return bits;
@@ -84,34 +93,59 @@ class Tracer {
     return {eye_, axis, spread};
   }
 
-  void trace_packet(int x, int y, double from) const {
-    PacketRays rays;
+  // Adds the packets of a tile that may hit; traces the batch when it is full.
+  void gather(int left, int top, Batch& batch) const {
+    const double start = march(atlas_, beam(left, top, kTile), 0);
+    if (start == kInfinity) return;
+    for (int y = top; y < std::min(top + kTile, hits_.height); y += kPacket) {
+      for (int x = left; x < std::min(left + kTile, hits_.width); x += kPacket) {
+        const double from = march(atlas_, beam(x, y, kPacket), start);
+        if (from == kInfinity) continue;
+        if (batch.rays.packets == PacketRays::kPackets) trace(batch);
+        batch.pixels[batch.rays.packets] = y * hits_.width + x;
+        kernel_.add_rays(camera_, x, y, from, batch.rays);
+        batch.rays.active[batch.rays.packets - 1] = in_picture(x, y);
+      }
+    }
+  }
+
+  // Traces the batch and empties it.
+  void trace(Batch& batch) const {
+    PacketRays& rays = batch.rays;
+    std::uint32_t wanted[PacketRays::kPackets];
+    std::copy_n(rays.active, rays.packets, wanted);
     PacketHits found;
-    kernel_.make_rays(camera_, x, y, from, rays);
-    rays.active = pixels(x, y);
-    rays.inside = inside_ ? 0xffffU : 0U;
     kernel_.trace(scene_, rays, found);
-    for (int i = 0; i < PacketRays::kRays; ++i) {
-      if (((rays.active >> i) & 1U) == 0) continue;
-      const std::size_t pixel = std::size_t(y + i / kPacket) * hits_.width + x + i % kPacket;
-      const bool hit = ((found.hit >> i) & 1U) != 0;
-      write(pixel, hit ? found.t[i] : kInfinity, found.steps[i]);
+    for (int ray = 0; ray < rays.packets * PacketRays::kLanes; ++ray) {
+      const int lane = ray % PacketRays::kLanes;
+      const int packet = ray / PacketRays::kLanes;
+      if (((wanted[packet] >> lane) & 1U) == 0) continue;
+      const int pixel = batch.pixels[packet] + lane / kPacket * hits_.width + lane % kPacket;
+      if (found.outcome[ray] == kUnsure) {
+        trace_singly(pixel);
+      } else {
+        const bool hit = found.outcome[ray] == kHit;
+        write(pixel, hit ? rays.from[ray] + double(found.t[ray]) : kInfinity, found.steps[ray]);
+      }
     }
-    trace_singly(x, y, found.unsure);
+    rays.packets = 0;
   }
 
-  void trace_singly(int x, int y, std::uint32_t which) const {
-    which &= pixels(x, y);
-    for (int i = 0; i < PacketRays::kRays; ++i) {
-      if (((which >> i) & 1U) == 0) continue;
-      const int column = x + i % kPacket;
-      const int row = y + i / kPacket;
-      const Walk walk = walk_ray(atlas_, rays_.ray(column + 0.5, row + 0.5), 0, kInfinity);
-      write(std::size_t(row) * hits_.width + column, walk.hit ? walk.t : kInfinity, walk.steps);
+  void trace_singly(int left, int top) const {
+    for (int y = top; y < std::min(top + kTile, hits_.height); ++y) {
+      for (int x = left; x < std::min(left + kTile, hits_.width); ++x) {
+        trace_singly(y * hits_.width + x);
+      }
     }
   }
 
-  void write(std::size_t pixel, double t, int steps) const {
+  void trace_singly(int pixel) const {
+    const Ray ray = rays_.ray(pixel % hits_.width + 0.5, pixel / hits_.width + 0.5);
+    const Walk walk = walk_ray(atlas_, ray, 0, kInfinity);
+    write(pixel, walk.hit ? walk.t : kInfinity, walk.steps);
+  }
+
+  void write(int pixel, double t, int steps) const {
     hits_.depth[pixel] = static_cast<float>(t * atlas_.lattice.voxel);
     hits_.steps[pixel] = static_cast<std::uint16_t>(std::min(steps, 65535));
   }
@@ -123,7 +157,6 @@ class Tracer {
   glm::dvec3 eye_{0.0};  // in cells, from the first slot
   PacketScene scene_{};
   PacketCamera camera_{};
-  bool inside_ = false;
   bool in_double_ = false;
 };
 
@@ -138,13 +171,8 @@ HitBuffer trace_primary(const Atlas& atlas, const Camera& camera, const Job& job
   hits.steps.assign(pixels, 0);
   const Tracer tracer(atlas, camera, hits);
   if (atlas.bricks.empty()) return hits;
-  const auto across = static_cast<std::size_t>((camera.width + kTile - 1) / kTile);
-  const auto down = static_cast<std::size_t>((camera.height + kTile - 1) / kTile);
-  parallel_for(across * down, 4, job, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      tracer.trace_tile(int(i % across) * kTile, int(i / across) * kTile);
-    }
-  });
+  parallel_for(tracer.tiles(), kTask, job,
+               [&](std::size_t begin, std::size_t end) { tracer.trace_tiles(begin, end); });
   return hits;
 }
 
