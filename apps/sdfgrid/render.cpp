@@ -64,7 +64,7 @@ glm::dvec3 parse_direction(const std::string& option, const std::string& text) {
 
 void parse_size(const std::string& text, int& width, int& height) {
   int used = 0;
-  const bool two = std::sscanf(text.c_str(), "%dx%d%n", &width, &height, &used) == 2;
+  const bool two = std::sscanf(text.c_str(), "%6dx%6d%n", &width, &height, &used) == 2;
   if (!two || static_cast<std::size_t>(used) != text.size()) {
     throw CLI::ValidationError("--size", "'" + text + "' is not a size as in 1024x768");
   }
@@ -167,9 +167,10 @@ void fill_aov(const std::string& aov, const Atlas& atlas, const Rendering& r, st
   } else if (aov == "id") {
     *out = hit ? 1.0F : 0.0F;
   } else if (hit) {
-    const auto x = static_cast<double>(pixel % r.hits.width);
-    const auto y = static_cast<double>(pixel / r.hits.width);
-    const Ray ray = RayGenerator(r.camera).ray(x + 0.5, y + 0.5);
+    const std::size_t x = pixel % r.hits.width;
+    const std::size_t y = pixel / r.hits.width;
+    const Ray ray =
+        RayGenerator(r.camera).ray(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
     *out = mean_curvature_at(atlas, ray.origin + double(r.hits.depth[pixel]) * ray.direction);
   }
 }

@@ -19,10 +19,10 @@ glm::vec3 gradient(const float* samples, const glm::ivec3& at) {
   const int here = at.x * strides[0] + at.y * strides[1] + at.z * strides[2];
   glm::vec3 g;
   for (int a = 0; a < 3; ++a) {
-    const int before = at[a] > 0 ? strides[a] : 0;
-    const int after = at[a] < Atlas::kBrick ? strides[a] : 0;
-    g[a] = (samples[here + after] - samples[here - before]) /
-           static_cast<float>((before + after) / strides[a]);
+    const int before = at[a] > 0 ? 1 : 0;
+    const int after = at[a] < Atlas::kBrick ? 1 : 0;
+    const float change = samples[here + after * strides[a]] - samples[here - before * strides[a]];
+    g[a] = change / static_cast<float>(before + after);
   }
   return g;
 }
