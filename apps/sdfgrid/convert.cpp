@@ -75,6 +75,7 @@ Exit run(const Options& options, Context& context) {
   watch.lap("read");
   ConvertOptions convert = options.convert;
   convert.band = band_of(options);
+  check_storable(choose_lattice(mesh.soup, convert).voxel);
   Conversion conversion = convert_mesh(mesh.soup, convert, context.job());
   for (const std::string& warning : conversion.warnings) context.warn(warning);
   watch.lap("convert");

@@ -1,5 +1,5 @@
-// core/job.h: progress and cancellation of a long call. The library never prints and never reads a
-// clock for its user: it reports fractions here and asks here whether to go on.
+// core/job.h: progress and cancellation of a long call. The library never prints: it reports
+// fractions here and asks here whether to go on.
 #pragma once
 
 #include <atomic>

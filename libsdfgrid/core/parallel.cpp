@@ -3,6 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <thread>
@@ -12,13 +13,17 @@ namespace sdfgrid {
 void parallel_for(std::size_t size, std::size_t grain, const Job& job,
                   const std::function<void(std::size_t begin, std::size_t end)>& body) {
   job.checkpoint();
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, size, std::max<std::size_t>(grain, 1)),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        job.checkpoint();
-        body(range.begin(), range.end());
-      },
-      tbb::simple_partitioner());
+  // Isolated: a thread that waits for an inner loop must not take a range of an outer one
+  // meanwhile, or what the ranges hold in memory would pile up beyond one for each thread.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, size, std::max<std::size_t>(grain, 1)),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+          job.checkpoint();
+          body(range.begin(), range.end());
+        },
+        tbb::simple_partitioner());
+  });
 }
 
 ThreadLimit::ThreadLimit(int threads) {

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <memory>
@@ -28,6 +29,8 @@ namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
 using LeafPointer = std::unique_ptr<Leaf>;
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kMostVoxels = 1e8;  // a side
 
 class Stopwatch {
  public:
@@ -154,21 +157,27 @@ void fill_interior(openvdb::FloatGrid& grid, float in_background, const SignedMe
   }
 }
 
-std::size_t available_memory() {
-  return static_cast<std::size_t>(::sysconf(_SC_AVPHYS_PAGES)) *
-         static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+// Bytes that the machine can still hand out, the page cache included.
+double available_memory() {
+  std::ifstream info("/proc/meminfo");
+  std::string word;
+  while (info >> word) {
+    double kilobytes = 0;
+    if (word == "MemAvailable:" && info >> kilobytes) return 1024 * kilobytes;
+  }
+  return static_cast<double>(::sysconf(_SC_PHYS_PAGES)) *
+         static_cast<double>(::sysconf(_SC_PAGESIZE));
 }
 
 void check_memory(const TriangleSoup& soup, const Lattice& lattice, const ConvertOptions& options) {
-  const std::size_t estimate = estimate_memory(soup, lattice, options.band);
-  const std::size_t allowed =
-      options.max_memory > 0 ? options.max_memory : available_memory() / 10 * 8;
+  const double estimate = estimate_memory(soup, lattice, options.band);
+  const double allowed =
+      options.max_memory > 0 ? static_cast<double>(options.max_memory) : 0.8 * available_memory();
   if (estimate <= allowed) return;
-  throw Error(
-      ErrorKind::failed,
-      fmt::format("the grid would take about {:.1f} GB, {:.1f} GB are allowed; use a larger "
-                  "voxel, a narrower band, or a higher --max-memory",
-                  1e-9 * static_cast<double>(estimate), 1e-9 * static_cast<double>(allowed)));
+  throw Error(ErrorKind::failed,
+              fmt::format("the conversion would take about {:.1f} GB, {:.1f} GB are allowed; use a "
+                          "larger voxel, a narrower band, or a higher --max-memory",
+                          1e-9 * estimate, 1e-9 * allowed));
 }
 
 double surface_area(const TriangleSoup& soup) {
@@ -185,7 +194,7 @@ double surface_area(const TriangleSoup& soup) {
 Lattice choose_lattice(const TriangleSoup& soup, const ConvertOptions& options) {
   Lattice lattice;
   lattice.voxel = options.voxel;
-  if (!(lattice.voxel > 0)) {
+  if (lattice.voxel == 0) {
     if (options.dim < 1) throw Error(ErrorKind::usage, "--dim must be at least 1");
     const glm::dvec3 size = bounds(soup).size();
     lattice.voxel = std::max(size.x, std::max(size.y, size.z)) / options.dim;
@@ -195,28 +204,40 @@ Lattice choose_lattice(const TriangleSoup& soup, const ConvertOptions& options) 
                 "the voxel size must be a positive number; a mesh without extent "
                 "needs --voxel");
   }
+  const glm::dvec3 size = bounds(soup).size() / lattice.voxel;
+  if (!(std::max({size.x, size.y, size.z}) < kMostVoxels)) {
+    throw Error(ErrorKind::usage, "the voxel size is too small for the mesh; use a larger one");
+  }
   lattice.origin = lattice.voxel * glm::round(soup.origin / lattice.voxel);
   return lattice;
 }
 
-std::size_t estimate_memory(const TriangleSoup& soup, const Lattice& lattice, const Band& band) {
-  const double width = band.exwidth + band.inwidth;
+double estimate_memory(const TriangleSoup& soup, const Lattice& lattice, const Band& band) {
+  constexpr double kBrickMargin = 6;  // voxels by which bricks overhang the band, on average
+  const double out = band.exwidth + kBrickMargin;
+  const double in = band.inwidth + kBrickMargin;
   const double area = surface_area(soup) / (lattice.voxel * lattice.voxel);
   const Box box = bounds(soup);
-  const glm::dvec3 size = box.empty() ? glm::dvec3(0) : box.size() / lattice.voxel + width;
-  // A flat band `width` thick touches about (width + 12) / 512 bricks of 8^3 for each square voxel;
-  // a crumpled mesh cannot touch more than fill its box.
-  const double bricks = std::min(area * (width + 12) / 512 + 8,
-                                 (size.x / 8 + 2) * (size.y / 8 + 2) * (size.z / 8 + 2));
+  const glm::dvec3 size = box.empty() ? glm::dvec3(0) : box.size() / lattice.voxel;
+  // Outside, what Steiner's formula gives for a convex body of that area in that box; inside no
+  // more than a prism on the surface; in all no more than the box and the band around it.
+  const double sides = size.x + size.y + size.z;
+  const double shell =
+      area * (in + out) + kPi * out * out * sides + 4.0 / 3.0 * kPi * out * out * out;
+  const glm::dvec3 full = size + 2 * band.exwidth + 16.0;
+  const double bricks =
+      soup.triangles.empty() ? 0 : std::min(shell, full.x * full.y * full.z) / Leaf::SIZE;
   constexpr double kBytesPerBrick = sizeof(Leaf) + sizeof(float) * Leaf::SIZE + 64;
-  constexpr double kBytesPerTriangle = 120;  // topology and bins
-  return static_cast<std::size_t>(bricks * kBytesPerBrick +
-                                  kBytesPerTriangle * static_cast<double>(soup.triangles.size()) +
-                                  50e6);
+  constexpr double kBytesPerTriangle = 450;  // topology, and bins of the nodes at work
+  return bricks * kBytesPerBrick + kBytesPerTriangle * static_cast<double>(soup.triangles.size()) +
+         50e6;
 }
 
 Conversion convert_mesh(const TriangleSoup& soup, const ConvertOptions& options, const Job& job) {
   if (soup.triangles.empty()) throw Error(ErrorKind::input, "the mesh has no triangles");
+  if (!(options.band.exwidth >= 1 && options.band.inwidth >= 1)) {
+    throw Error(ErrorKind::usage, "a band must be at least 1 voxel wide");
+  }
   const Lattice lattice = choose_lattice(soup, options);
   check_memory(soup, lattice, options);
   Stopwatch watch;

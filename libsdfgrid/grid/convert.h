@@ -44,8 +44,8 @@ inline constexpr double kConvertError = 1e-5;
 [[nodiscard]] Lattice choose_lattice(const TriangleSoup& soup, const ConvertOptions& options);
 
 // About how many bytes convert_mesh will take at its peak.
-[[nodiscard]] std::size_t estimate_memory(const TriangleSoup& soup, const Lattice& lattice,
-                                          const Band& band);
+[[nodiscard]] double estimate_memory(const TriangleSoup& soup, const Lattice& lattice,
+                                     const Band& band);
 
 // Exact distances at every lattice point of the band, sign included; beyond the band plus and minus
 // background. Throws Error{usage} for options out of range, Error{input} for an empty mesh,

@@ -52,6 +52,9 @@ class Grid {
 // else the first float grid. Throws Error{input} if there is none or its transform is not uniform.
 [[nodiscard]] Grid read_grid(const std::string& path);
 
+// Throws Error{usage} if a .vdb file cannot hold voxels of that size (below 1.45e-5 units).
+void check_storable(double voxel);
+
 // Writes `grid` to `path` (blosc-compressed .vdb), which appears whole or not at all: it is written
 // beside its place and renamed. Throws Error{failed}.
 void write_grid(const Grid& grid, const std::string& path);

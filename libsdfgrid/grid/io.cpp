@@ -65,27 +65,39 @@ Grid read_grid(const std::string& path) {
     file.open(false);
     std::string name;
     int best_score = 0;
-    const auto all = file.readAllGridMetadata();
-    for (const auto& grid : *all) {
-      const int score = suitability(*grid);
+    // Names as the file's index has them: several grids may share one otherwise.
+    for (auto at = file.beginName(); at != file.endName(); ++at) {
+      const int score = suitability(*file.readGridMetadata(at.gridName()));
       if (score > best_score) {
         best_score = score;
-        name = grid->getName();
+        name = at.gridName();
       }
     }
     if (best_score > 0) best = file.readGrid(name);
     file.close();
-  } catch (const openvdb::Exception& e) {
+  } catch (const std::exception& e) {  // OpenVDB's own, and what damaged counts make of std's
     throw input_error(path, "", std::string("not a readable OpenVDB file (") + e.what() + ")",
                       "convert the mesh again, or check that the copy is complete");
   }
-  if (!best) {
+  if (!best || !best->isType<openvdb::FloatGrid>()) {
     throw input_error(path, "", "it holds no float grid", "give a level set or distance grid");
   }
   return from_vdb(openvdb::gridPtrCast<openvdb::FloatGrid>(best), path);
 }
 
+void check_storable(double voxel) {
+  // OpenVDB takes a transform whose determinant is below 3e-15 for singular.
+  constexpr double kSmallest = 1.45e-5;
+  if (voxel >= kSmallest) return;
+  throw Error(
+      ErrorKind::usage,
+      fmt::format("a voxel of {:.3g} units is too small for a .vdb file, which needs {:.3g} "
+                  "or more; scale the mesh up (millimetres for metres)",
+                  voxel, kSmallest));
+}
+
 void write_grid(const Grid& grid, const std::string& path) {
+  check_storable(grid.lattice().voxel);
   write_atomically(path, [&](const std::string& temporary) {
     try {
       openvdb::io::File file(temporary);

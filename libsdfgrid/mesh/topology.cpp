@@ -25,18 +25,28 @@ glm::dvec3 unit_normal(const TriangleSoup& soup, std::uint32_t t) {
   return length > 0 ? n / length : glm::dvec3(0.0);
 }
 
+int corner_of(const glm::uvec3& triangle, std::uint32_t v) {
+  return triangle.x == v ? 0 : triangle.y == v ? 1 : 2;
+}
+
 double corner_angle(const TriangleSoup& soup, std::uint32_t t, std::uint32_t vertex) {
   const glm::uvec3& v = soup.triangles[t];
-  const int k = v.x == vertex ? 0 : v.y == vertex ? 1 : 2;
+  const int k = corner_of(v, vertex);
   const glm::dvec3 e = soup.local(v[(k + 1) % 3]) - soup.local(v[k]);
   const glm::dvec3 f = soup.local(v[(k + 2) % 3]) - soup.local(v[k]);
   return std::atan2(glm::length(glm::cross(e, f)), glm::dot(e, f));
 }
 
-glm::dvec3 vertex_normal(const TriangleSoup& soup, const Topology& topology, std::uint32_t v) {
+// Over the fan of triangles that edges connect to `start` around v: where two fans touch in one
+// point, only one of them is the surface that is near.
+glm::dvec3 vertex_normal(const TriangleSoup& soup, const Topology& topology, std::uint32_t start,
+                         std::uint32_t v) {
   glm::dvec3 sum(0.0);
-  for (const std::uint32_t t : topology.around(v)) {
+  std::uint32_t t = start;
+  for (std::size_t guard = topology.around(v).size(); guard > 0; --guard) {
     sum += corner_angle(soup, t, v) * unit_normal(soup, t);
+    t = topology.across(t, (corner_of(soup.triangles[t], v) + 2) % 3);
+    if (t == start || t == Topology::kNone) break;
   }
   return sum;
 }
@@ -100,7 +110,7 @@ bool behind_pseudonormal(const TriangleSoup& soup, const Topology& topology, std
     const std::uint32_t other = topology.across(t, edge);
     normal = other == Topology::kNone ? n : n + unit_normal(soup, other);
   } else {
-    normal = vertex_normal(soup, topology, v[along > 0 ? (edge + 1) % 3 : edge]);
+    normal = vertex_normal(soup, topology, t, v[along > 0 ? (edge + 1) % 3 : edge]);
   }
   return glm::dot(normal, p - corner[along >= 1 ? (edge + 1) % 3 : edge]) < 0;
 }

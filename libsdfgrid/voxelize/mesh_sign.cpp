@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <utility>
 
@@ -14,7 +16,7 @@ namespace sdfgrid {
 namespace {
 
 // What keeps a mesh from having an inside in the strict sense, with counts; empty if nothing does.
-std::string defects(const MeshDiagnosis& mesh) {
+std::string defects(const MeshDiagnosis& mesh, std::size_t flat) {
   std::string text;
   const auto add = [&](std::size_t count, const char* what) {
     if (count == 0) return;
@@ -25,7 +27,36 @@ std::string defects(const MeshDiagnosis& mesh) {
   add(mesh.nonmanifold_edges, "non-manifold edges");
   add(mesh.flipped_neighbours, "flipped neighbours");
   add(mesh.zero_area_faces, "zero-area faces");
+  add(mesh.duplicate_faces, "duplicate faces");
+  add(flat, "components without volume");
   return text;
+}
+
+// Closed components so flat that front and back coincide: which of the two is nearest is left to
+// rounding.
+std::size_t flat_components(const TriangleSoup& soup, const MeshDiagnosis& diagnosis) {
+  constexpr double kFlat = 1e-7;  // of the volume that a ball of the same area has, about
+  struct Size {
+    double volume = 0;
+    double area = 0;
+    glm::dvec3 corner{0.0};
+  };
+  std::vector<Size> sizes(diagnosis.components);
+  for (std::size_t t = soup.triangles.size(); t-- > 0;) {
+    sizes[diagnosis.component[t]].corner = soup.local(soup.triangles[t].x);
+  }
+  for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
+    Size& size = sizes[diagnosis.component[t]];
+    const glm::uvec3& v = soup.triangles[t];
+    const glm::dvec3 a = soup.local(v.x) - size.corner;
+    const glm::dvec3 cross =
+        glm::cross(soup.local(v.y) - size.corner - a, soup.local(v.z) - size.corner - a);
+    size.volume += glm::dot(a, cross) / 6;
+    size.area += glm::length(cross) / 2;
+  }
+  return static_cast<std::size_t>(std::count_if(sizes.begin(), sizes.end(), [](const Size& size) {
+    return std::abs(size.volume) <= kFlat * std::pow(size.area, 1.5);
+  }));
 }
 
 // Six times the volume under the triangles, seen from the centre of the bounds: its sign says which
@@ -70,7 +101,7 @@ SignedMesh prepare_sign(TriangleSoup soup, SignMethod method, const Job& job) {
   }
   job.report("sign", 0.0);
   const MeshDiagnosis diagnosis = diagnose(mesh.soup);
-  const std::string wrong = defects(diagnosis);
+  const std::string wrong = defects(diagnosis, flat_components(mesh.soup, diagnosis));
   if (method == SignMethod::normal && !wrong.empty()) {
     throw Error(ErrorKind::input, "the mesh has no inside that normals could tell (" + wrong +
                                       "); use --sign winding or --sign auto, or repair the mesh");
@@ -87,6 +118,13 @@ SignedMesh prepare_sign(TriangleSoup soup, SignMethod method, const Job& job) {
   } else if (facing(mesh.soup) < 0) {
     turn(mesh.soup);
     mesh.warnings.push_back("most of the mesh faces inward; it was turned inside out");
+  }
+  if (mesh.method == SignMethod::winding && diagnosis.boundary_edges > 0) {
+    mesh.warnings.push_back(
+        fmt::format("the mesh is open ({} boundary edges): inside is where it winds around by more "
+                    "than half, and "
+                    "wide holes get a rough cap; an open sheet or terrain wants --sign unsigned",
+                    diagnosis.boundary_edges));
   }
   if (mesh.method == SignMethod::normal) {
     mesh.topology = std::make_shared<Topology>(mesh.soup);

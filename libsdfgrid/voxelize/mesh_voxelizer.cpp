@@ -13,6 +13,7 @@ namespace sdfgrid {
 namespace {
 
 constexpr std::size_t kBricksPerTask = 32;
+constexpr double kLeastReach = 1.01;  // voxels: neighbours across the surface, with slack
 
 // Buffers of one thread, reused from brick to brick.
 struct Workspace {
@@ -35,8 +36,13 @@ struct Workspace {
   }
 };
 
-bool any(const std::uint64_t active[8]) {
-  return std::any_of(active, active + 8, [](std::uint64_t word) { return word != 0; });
+// Whether the brick is needed: a sample is in the band, or so near to the surface that its
+// neighbour in the next brick, from which tiles take their sign, may be on the other side.
+bool is_needed(const Workspace& work) {
+  constexpr float kNear = 1.002F;  // squared, voxels
+  return std::any_of(work.active, work.active + 8, [](std::uint64_t word) { return word != 0; }) ||
+         std::any_of(work.distances.squared, work.distances.squared + 512,
+                     [](float squared) { return squared < kNear; });
 }
 
 BrickBits signs(const SignedMesh& mesh, const Workspace& work, const BrickPosition& position) {
@@ -59,7 +65,7 @@ MeshVoxelizer::MeshVoxelizer(const SignedMesh& mesh, const Lattice& lattice, con
     : mesh_(mesh),
       lattice_(lattice),
       band_(band),
-      reach_(std::max(band.exwidth, band.inwidth)),
+      reach_(std::max({band.exwidth, band.inwidth, kLeastReach})),
       bins_((band.exwidth >= 1 && band.inwidth >= 1)
                 ? NodeBins(mesh.soup, lattice, reach_, job)
                 : throw Error(ErrorKind::usage, "a band must be at least 1 voxel wide")) {}
@@ -95,7 +101,7 @@ void MeshVoxelizer::run(std::size_t node, const std::function<void(const Brick&)
                                    lattice_.voxel};
       const BrickBits negative = signs(mesh_, *work, position);
       kernel.finish(work->distances, negative.data(), widths, work->values, work->active);
-      if (any(work->active)) take({origin, work->values, work->active});
+      if (is_needed(*work)) take({origin, work->values, work->active});
     }
   });
 }

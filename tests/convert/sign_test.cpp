@@ -2,6 +2,7 @@
 // what they should be.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -195,6 +196,37 @@ TEST(Sign, OverlappingSpheresUnderWindingAreOneSolid) {
     return first.signed_distance(p) < 0 || second.signed_distance(p) < 0;
   });
   EXPECT_EQ(signs.wrong, 0U);
+}
+
+// Two pyramids that share the vertex of their tips: one is sharp, the other blunt.
+TEST(Sign, PinchedVertexBelongsToOneFanAtATime) {
+  TriangleSoup soup;
+  soup.points = {{0, 0, 0},      {1, 1, 2},       {-1, 1, 2},       {-1, -1, 2},    {1, -1, 2},
+                 {0.3, 0.3, -2}, {-0.3, 0.3, -2}, {-0.3, -0.3, -2}, {0.3, -0.3, -2}};
+  soup.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}, {1, 4, 3}, {1, 3, 2},
+                    {0, 6, 5}, {0, 7, 6}, {0, 8, 7}, {0, 5, 8}, {5, 6, 7}, {5, 7, 8}};
+  soup = shapes::flipped(soup);  // outward
+  const Conversion conversion = convert(soup, 0.07);
+  EXPECT_EQ(conversion.sign, SignMethod::normal);
+  const ReferenceDistance reference(soup);
+  const Signs signs =
+      count(conversion.grid, [&](const glm::dvec3& p) { return reference.signed_distance(p) < 0; });
+  EXPECT_EQ(signs.wrong, 0U);
+  EXPECT_GT(signs.inside, 1000U);
+}
+
+// A closed part whose front and back coincide has no volume: all is outside, whichever triangle
+// comes first.
+TEST(Sign, FlatClosedPartsHaveNoInside) {
+  TriangleSoup soup;
+  soup.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  soup.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
+  for (int order = 0; order < 2; ++order) {
+    const Conversion conversion = convert(soup, 0.1);
+    EXPECT_EQ(conversion.sign, SignMethod::winding) << conversion.sign_reason;
+    EXPECT_EQ(count(conversion.grid, [](const glm::dvec3&) { return false; }).wrong, 0U);
+    std::reverse(soup.triangles.begin(), soup.triangles.end());
+  }
 }
 
 TEST(Sign, AutomaticChoiceSaysWhatIsWrongWithTheMesh) {
