@@ -1,6 +1,9 @@
 #include "sdfgrid/grid/atlas.h"
 
 #include <fmt/format.h>
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 #include <algorithm>
 #include <glm/common.hpp>
@@ -24,6 +27,20 @@ constexpr double kMaxTableBytes = 3e9;
 openvdb::Coord corner(const glm::ivec3& brick) { return {brick.x * 8, brick.y * 8, brick.z * 8}; }
 
 glm::ivec3 brick_of(const openvdb::Coord& c) { return {c.x() >> 3, c.y() >> 3, c.z() >> 3}; }
+
+// Rays look at samples all over memory: with pages of 4 kB most looks miss the table of pages.
+template <class T>
+void resize_in_large_pages(std::vector<T>& values, std::size_t size) {
+  values.reserve(size);
+#if defined(__linux__)
+  constexpr std::uintptr_t kLarge = std::uintptr_t{1} << 21;
+  const auto begin = (reinterpret_cast<std::uintptr_t>(values.data()) + kLarge - 1) & ~(kLarge - 1);
+  const auto end = reinterpret_cast<std::uintptr_t>(values.data() + size) & ~(kLarge - 1);
+  // Where the system refuses, the pages stay small.
+  if (begin < end) (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+#endif
+  values.resize(size);
+}
 
 // Makes an Atlas from a tree; keeps what only the making needs.
 class Builder {
@@ -220,8 +237,8 @@ void Builder::crossing_first() {
 }
 
 void Builder::fill_bricks() {
-  atlas_.samples.resize(order_.size() * Atlas::kSamples);
-  atlas_.hops.resize(std::size_t(atlas_.crossing) * Atlas::kHops);
+  resize_in_large_pages(atlas_.samples, order_.size() * Atlas::kSamples);
+  resize_in_large_pages(atlas_.hops, std::size_t(atlas_.crossing) * Atlas::kHops);
   parallel_for(order_.size(), 64, job_, [&](std::size_t begin, std::size_t end) {
     const openvdb::tree::ValueAccessor<const Tree> values(tree_);
     for (std::size_t i = begin; i < end; ++i) {

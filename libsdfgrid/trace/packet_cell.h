@@ -105,7 +105,7 @@ inline Bracket first_bracket(const Cubic& cubic, F16 length, float tolerance, I1
 // the value moves the root far.
 inline F16 refine(const Cubic& cubic, Bracket& b, I16 wanted, float steep) {
   constexpr int kRounds = 24;
-  constexpr float kClose = 1e-4F;  // the next step would be about the square of this
+  constexpr float kClose = 1e-3F;  // the next step would be about the square of this
   F16 s = b.lo + (b.hi - b.lo) * (b.at_lo / (b.at_lo - b.at_hi));
   s = min(max(s, b.lo), b.hi);
   I16 open = wanted;

@@ -33,6 +33,24 @@ inline I16 gather_byte(const std::uint8_t* p, I16 index) {
 #endif
 }
 
+// p[index] and p[index + 1], or the other way round where `backwards`.
+inline void gather_pair(const float* p, I16 index, I16 backwards, F16 (&pair)[2]) {
+#if defined(__AVX512F__)
+  const __m512i low = _mm512_i32gather_epi64(_mm512_castsi512_si256((__m512i)index), p, 4);
+  const __m512i high = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64((__m512i)index, 1), p, 4);
+  const __m512i even = _mm512_set_epi32(30, 28, 26, 24, 22, 20, 18, 16, 14, 12, 10, 8, 6, 4, 2, 0);
+  const __m512i which = _mm512_sub_epi32(even, (__m512i)backwards);
+  pair[0] = (F16)_mm512_permutex2var_epi32(low, which, high);
+  pair[1] =
+      (F16)_mm512_permutex2var_epi32(low, _mm512_xor_epi32(which, _mm512_set1_epi32(1)), high);
+#else
+  const F16 a = gather(p, index);
+  const F16 b = gather(p, index + 1);
+  pair[0] = select(backwards, b, a);
+  pair[1] = select(backwards, a, b);
+#endif
+}
+
 class Tracer {
  public:
   Tracer(const PacketScene& scene, PacketHits& hits) : scene_(scene), hits_(hits) {
@@ -152,14 +170,15 @@ class Tracer {
       step[a] = arrived_ & ((rays_.flip[a] ^ kStride[a]) - rays_.flip[a]);
       from[a] = (rays_.origin[a] - to_float(cell_[a])) + t_ * rays_.direction[a];
     }
-    first &= arrived_;
+    // The pair's lower sample.
+    first = arrived_ & (first + rays_.flip[2]);
+    const I16 backwards = rays_.flip[2];
     F16 corners[4][2];
     for (int i = 0; i < 4; ++i) {
       I16 corner = first;
       if ((i & 2) != 0) corner += step[0];
       if ((i & 1) != 0) corner += step[1];
-      corners[i][0] = gather(scene_.samples, corner);
-      corners[i][1] = gather(scene_.samples, corner + step[2]);
+      gather_pair(scene_.samples, corner, backwards, corners[i]);
     }
     return make_cubic(corners, from, rays_.direction);
   }

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kTile = 16;  // pixels a side
 constexpr int kPacket = 4;
-constexpr std::size_t kTask = 64;  // tiles at a time on a thread
+constexpr std::size_t kTask = 32;  // tiles at a time on a thread
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // One picture's worth of constants.
@@ -66,7 +66,7 @@ class Tracer {
  private:
   struct Batch {
     PacketRays rays;
-    int pixels[PacketRays::kPackets];  // the first of each packet
+    std::size_t pixels[PacketRays::kPackets];  // the first of each packet
   };
 
   // Twice the error of a computed place, times the slope.
@@ -82,15 +82,12 @@ class Tracer {
     return bits;
   }
 
-  // The rays of a square of pixels; none differs more from the middle one than one at a corner.
+  // The rays of a square of pixels. Two of them differ by no more than their places in a plane at
+  // distance 1 from the eye.
   [[nodiscard]] Beam beam(int x, int y, int size) const {
-    const glm::dvec3 axis = rays_.ray(x + 0.5 * size, y + 0.5 * size).direction;
-    double spread = 0;
-    for (int n = 0; n < 4; ++n) {
-      const Ray corner = rays_.ray(x + (n & 1) * size, y + (n >> 1) * size);
-      spread = std::max(spread, glm::length(corner.direction - axis));
-    }
-    return {eye_, axis, spread};
+    const double radius =
+        0.5 * size * std::hypot(glm::length(rays_.right()), glm::length(rays_.down()));
+    return {eye_, rays_.ray(x + 0.5 * size, y + 0.5 * size).direction, radius};
   }
 
   // Adds the packets of a tile that may hit; traces the batch when it is full.
@@ -102,7 +99,7 @@ class Tracer {
         const double from = march(atlas_, beam(x, y, kPacket), start);
         if (from == kInfinity) continue;
         if (batch.rays.packets == PacketRays::kPackets) trace(batch);
-        batch.pixels[batch.rays.packets] = y * hits_.width + x;
+        batch.pixels[batch.rays.packets] = row(y) + x;
         kernel_.add_rays(camera_, x, y, from, batch.rays);
         batch.rays.active[batch.rays.packets - 1] = in_picture(x, y);
       }
@@ -116,44 +113,52 @@ class Tracer {
     std::copy_n(rays.active, rays.packets, wanted);
     PacketHits found;
     kernel_.trace(scene_, rays, found);
-    for (int ray = 0; ray < rays.packets * PacketRays::kLanes; ++ray) {
-      const int lane = ray % PacketRays::kLanes;
-      const int packet = ray / PacketRays::kLanes;
-      if (((wanted[packet] >> lane) & 1U) == 0) continue;
-      const int pixel = batch.pixels[packet] + lane / kPacket * hits_.width + lane % kPacket;
-      if (found.outcome[ray] == kUnsure) {
-        trace_singly(pixel);
-      } else {
-        const bool hit = found.outcome[ray] == kHit;
-        write(pixel, hit ? rays.from[ray] + double(found.t[ray]) : kInfinity, found.steps[ray]);
-      }
+    for (int packet = 0; packet < rays.packets; ++packet) {
+      write(batch, found, packet, wanted[packet]);
     }
     rays.packets = 0;
   }
 
-  void trace_singly(int left, int top) const {
-    for (int y = top; y < std::min(top + kTile, hits_.height); ++y) {
-      for (int x = left; x < std::min(left + kTile, hits_.width); ++x) {
-        trace_singly(y * hits_.width + x);
-      }
+  void write(const Batch& batch, const PacketHits& found, int packet, std::uint32_t wanted) const {
+    const int first = packet * PacketRays::kLanes;
+    float depth[PacketRays::kLanes];
+    std::uint16_t steps[PacketRays::kLanes];
+    for (int i = 0; i < PacketRays::kLanes; ++i) {
+      const double t = batch.rays.from[first + i] + double(found.t[first + i]);
+      depth[i] = static_cast<float>(found.outcome[first + i] == kHit ? t * voxel_ : kInfinity);
+      steps[i] = static_cast<std::uint16_t>(std::min(found.steps[first + i], 65535));
+    }
+    for (int i = 0; i < PacketRays::kLanes; ++i) {
+      if (((wanted >> i) & 1U) == 0) continue;
+      const std::size_t pixel = batch.pixels[packet] + row(i / kPacket) + i % kPacket;
+      hits_.depth[pixel] = depth[i];
+      hits_.steps[pixel] = steps[i];
+      if (found.outcome[first + i] == kUnsure) trace_singly(pixel);
     }
   }
 
-  void trace_singly(int pixel) const {
-    const Ray ray = rays_.ray(pixel % hits_.width + 0.5, pixel / hits_.width + 0.5);
-    const Walk walk = walk_ray(atlas_, ray, 0, kInfinity);
-    write(pixel, walk.hit ? walk.t : kInfinity, walk.steps);
+  void trace_singly(int left, int top) const {
+    for (int y = top; y < std::min(top + kTile, hits_.height); ++y) {
+      for (int x = left; x < std::min(left + kTile, hits_.width); ++x) trace_singly(row(y) + x);
+    }
   }
 
-  void write(int pixel, double t, int steps) const {
-    hits_.depth[pixel] = static_cast<float>(t * atlas_.lattice.voxel);
-    hits_.steps[pixel] = static_cast<std::uint16_t>(std::min(steps, 65535));
+  void trace_singly(std::size_t pixel) const {
+    const std::size_t width = row(1);
+    const Ray ray = rays_.ray(double(pixel % width) + 0.5, double(pixel / width) + 0.5);
+    const Walk walk = walk_ray(atlas_, ray, 0, kInfinity);
+    hits_.depth[pixel] = static_cast<float>(walk.hit ? walk.t * voxel_ : kInfinity);
+    hits_.steps[pixel] = static_cast<std::uint16_t>(std::min(walk.steps, 65535));
   }
+
+  // Where a row of pixels begins.
+  [[nodiscard]] std::size_t row(int y) const { return std::size_t(y) * std::size_t(hits_.width); }
 
   const Atlas& atlas_;
   RayGenerator rays_;
   HitBuffer& hits_;
   const PacketKernel& kernel_;
+  double voxel_ = atlas_.lattice.voxel;
   glm::dvec3 eye_{0.0};  // in cells, from the first slot
   PacketScene scene_{};
   PacketCamera camera_{};
