@@ -2,20 +2,23 @@
 // Embree on the triangles, all in one run, repetitions interleaved, medians. Errors are of
 // depth, in voxels; lost and extra are pixels, inner those of them that are no silhouette's.
 //
-//   trace_bench MESH [DIM=512] [SIZE=1024] [REPETITIONS=7]
+//   trace_bench MESH [DIM=512] [SIZE=1024] [REPETITIONS=7] [sdfgrid|openvdb]
+//
+// The last word says who makes the grid that sdfgrid and OpenVDB trace.
 #include <fmt/format.h>
 #include <openvdb/tools/MeshToVolume.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <ctime>
-#include <fstream>
 #include <string>
 
-#include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/grid/convert.h"
 #include "sdfgrid/grid/vdb.h"
+#include "sdfgrid/mesh/read.h"
 #include "sdfgrid/trace/trace.h"
 #include "trace_peers.h"
 
@@ -29,28 +32,15 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-TriangleSoup read_off(const std::string& path) {
-  std::ifstream in(path);
-  std::string magic;
-  std::size_t points = 0;
-  std::size_t faces = 0;
-  std::size_t edges = 0;
-  in >> magic >> points >> faces >> edges;
-  TriangleSoup soup;
-  soup.points.resize(points);
-  for (auto& p : soup.points) in >> p.x >> p.y >> p.z;
-  soup.triangles.resize(faces);
-  for (auto& t : soup.triangles) in >> edges >> t.x >> t.y >> t.z;
-  if (!in) throw Error(ErrorKind::input, path + " is not an OFF file of triangles");
-  return soup;
-}
-
 Grid openvdb_grid(const TriangleSoup& soup, int dim) {
   const glm::dvec3 size = bounds(soup).size();
   const double voxel = std::max({size.x, size.y, size.z}) / dim;
   std::vector<openvdb::Vec3s> points;
   std::vector<openvdb::Vec3I> triangles;
-  for (const auto& p : soup.points) points.emplace_back(p.x, p.y, p.z);
+  for (std::uint32_t i = 0; i < soup.points.size(); ++i) {
+    const glm::dvec3 p = soup.origin + soup.local(i);
+    points.emplace_back(p.x, p.y, p.z);
+  }
   for (const auto& t : soup.triangles) triangles.emplace_back(t.x, t.y, t.z);
   const auto transform = openvdb::math::Transform::createLinearTransform(voxel);
   return from_vdb(
@@ -163,9 +153,15 @@ void measure(const std::vector<const Peer*>& peers, int threads, int repetitions
   }
 }
 
-void run(const std::string& path, int dim, int size, int repetitions) {
-  const TriangleSoup soup = read_off(path);
-  const Grid grid = openvdb_grid(soup, dim);
+Grid sdfgrid_grid(const TriangleSoup& soup, int dim) {
+  ConvertOptions options;
+  options.dim = dim;
+  return convert_mesh(soup, options, Job()).grid;
+}
+
+void run(const std::string& path, int dim, int size, int repetitions, bool by_openvdb) {
+  const TriangleSoup soup = read_mesh(path, Job()).soup;
+  const Grid grid = by_openvdb ? openvdb_grid(soup, dim) : sdfgrid_grid(soup, dim);
   const Camera camera = frame(bounds(soup), size, size);
   const Ours ours(grid, camera);
   std::vector<std::unique_ptr<Peer>> others;
@@ -189,11 +185,13 @@ int main(int argc, char** argv) {
     return argc > i ? std::max(1, std::atoi(argv[i])) : otherwise;
   };
   if (argc < 2) {
-    fmt::print(stderr, "usage: trace_bench MESH.off [DIM=512] [SIZE=1024] [REPETITIONS=7]\n");
+    fmt::print(stderr,
+               "usage: trace_bench MESH [DIM=512] [SIZE=1024] [REPETITIONS=7] [sdfgrid|openvdb]\n");
     return 2;
   }
   try {
-    sdfgrid::bench::run(argv[1], number(2, 512), (number(3, 1024) + 3) / 4 * 4, number(4, 7));
+    sdfgrid::bench::run(argv[1], number(2, 512), (number(3, 1024) + 3) / 4 * 4, number(4, 7),
+                        argc > 5 && std::string(argv[5]) == "openvdb");
   } catch (const std::exception& error) {
     fmt::print(stderr, "trace_bench: {}\n", error.what());
     return 1;
