@@ -4,8 +4,10 @@
 #include "sdfgrid/trace/packet_kernel.h"
 
 #include "sdfgrid/core/simd.h"
+#include "sdfgrid/trace/packet_beam.h"
 #include "sdfgrid/trace/packet_cell.h"
 #include "sdfgrid/trace/packet_rays.h"
+#include "sdfgrid/trace/packet_tables.h"
 #include "sdfgrid/trace/simd_double.h"
 
 namespace sdfgrid::SDFGRID_ISA {
@@ -20,18 +22,6 @@ constexpr int kSamples = kEdge * kEdge * kEdge;
 // there is nothing else to do.
 constexpr int kFetch = 4;
 constexpr int kSolve = 9;
-
-// Whole words, so that nothing is read beyond the table, whose size is a multiple of four.
-inline I16 gather_byte(const std::uint8_t* p, I16 index) {
-#if defined(__AVX512F__)
-  const I16 word = (I16)_mm512_i32gather_epi32((__m512i)(index >> 2), p, 4);
-  return (word >> ((index & 3) << 3)) & 0xff;
-#else
-  I16 r;
-  for (int i = 0; i < kLanes; ++i) r[i] = p[index[i]];
-  return r;
-#endif
-}
 
 // p[index] and p[index + 1], or the other way round where `backwards`.
 inline void gather_pair(const float* p, I16 index, I16 backwards, F16 (&pair)[2]) {
@@ -53,10 +43,7 @@ inline void gather_pair(const float* p, I16 index, I16 backwards, F16 (&pair)[2]
 
 class Tracer {
  public:
-  Tracer(const PacketScene& scene, PacketHits& hits) : scene_(scene), hits_(hits) {
-    plane_ = scene.dims[1] * scene.dims[2];
-    table_ = scene.dims[0] * plane_;
-  }
+  Tracer(const PacketScene& scene, PacketHits& hits) : scene_(scene), hits_(hits) {}
 
   // Traces all rays of the queue to their outcome, or the end of their segment.
   void run(RayQueue& queue) {
@@ -108,32 +95,12 @@ class Tracer {
 
   // One jump of the walking lanes, or their arrival.
   void walk() {
-    I16 slot[3];   // of the lattice
-    I16 along[3];  // within the brick, mirrored
-    for (int a = 0; a < 3; ++a) {
-      const I16 cell = cell_[a] + rays_.base[a];
-      slot[a] = (cell ^ rays_.flip[a]) >> 3;
-      along[a] = cell & 7;
-    }
-    const I16 place = walking_ & (slot[0] * plane_ + slot[1] * scene_.dims[2] + slot[2]);
-    const I16 jump = gather_byte(scene_.jumps, place + rays_.octant * table_);
-    const I16 in_brick = walking_ & (jump == 0);
-    const I16 brick = in_brick & gather(scene_.bricks, place);
-    const I16 word = gather(reinterpret_cast<const std::int32_t*>(scene_.hops),
-                            (((brick << 3) + rays_.octant) << 6) + (along[0] << 3) + along[1]);
-    const I16 hop = (word >> (along[2] << 2)) & 15;
-    const I16 arriving = in_brick & (hop == 0);
+    const Ahead ahead = look_ahead(scene_, rays_, cell_, walking_);
     steps_ -= walking_;
-    arrived_ |= arriving;
-    brick_ = select(arriving, brick, brick_);
-    walking_ &= ~arriving;
-    // To the far side of the empty cube; one of cells is cut off where the brick ends.
-    I16 past[3];
-    for (int a = 0; a < 3; ++a) {
-      const I16 inner = min(hop, 8 - along[a]);
-      past[a] = cell_[a] + select(in_brick, inner, (jump << 3) - along[a]);
-    }
-    leave(past, walking_);
+    arrived_ |= ahead.blocked;
+    brick_ = select(ahead.blocked, ahead.brick, brick_);
+    walking_ &= ~ahead.blocked;
+    leave(ahead.past, walking_);
   }
 
   // Moves lanes that walk on to where they first pass one of three planes.
@@ -212,8 +179,6 @@ class Tracer {
 
   const PacketScene& scene_;
   PacketHits& hits_;
-  std::int32_t plane_;  // slots of one x
-  std::int32_t table_;  // slots
   Rays rays_{};
   I16 cell_[3]{};  // mirrored, relative to the base
   F16 t_{};        // since the base
@@ -225,19 +190,30 @@ class Tracer {
   I16 outcome_{};
 };
 
+Start load_start(const PacketRays& in, int first) {
+  return {in.origin,
+          {load16(in.direction[0] + first), load16(in.direction[1] + first),
+           load16(in.direction[2] + first)},
+          load16(in.from + first)};
+}
+
 void trace(const PacketScene& scene, PacketRays& in, PacketHits& hits) {
   Tracer tracer(scene, hits);
   for (int packet = 0; packet < in.packets; ++packet) {
     const int first = packet * kLanes;
     store(hits.outcome + first, splat(kMissed));
     store(hits.steps + first, splat(0));
-    in.active[packet] &= bits(clip(scene, in, first));
+    Start start = load_start(in, first);
+    in.active[packet] &= bits(clip(scene, start));
+    store16(in.from + first, start.from);
   }
   for (bool more = true; more;) {
     RayQueue queue;
     for (int packet = 0; packet < in.packets; ++packet) {
       if (in.active[packet] == 0) continue;
-      queue.push(make_lanes(scene, in, packet * kLanes), in.active[packet]);
+      Rays rays = make_lanes(scene, load_start(in, packet * kLanes));
+      for (int i = 0; i < kLanes; ++i) rays.number[i] = packet * kLanes + i;
+      queue.push(rays, in.active[packet]);
     }
     if (queue.empty()) return;
     tracer.run(queue);
@@ -246,39 +222,61 @@ void trace(const PacketScene& scene, PacketRays& in, PacketHits& hits) {
       const int first = packet * kLanes;
       const I16 going_on = load(hits.outcome + first) == splat(kGoingOn);
       in.active[packet] &= bits(going_on);
-      more |= in.active[packet] != 0;
       if (in.active[packet] == 0) continue;
+      more = true;
       const F16 passed = select(going_on, load(hits.t + first), splat(0.0F));
       store16(in.from + first, load16(in.from + first) + to_double(passed));
     }
   }
 }
 
-void add_rays(const PacketCamera& camera, int x, int y, double from, PacketRays& rays) {
+// The rays through the middles of 4 x 4 squares of `size` pixels, (x, y) the first pixel.
+Start look_through(const PacketCamera& camera, int x, int y, int size, double from) {
   double column[kLanes];
   double row[kLanes];
   for (int i = 0; i < kLanes; ++i) {
-    column[i] = x + i % 4 + 0.5;
-    row[i] = y + i / 4 + 0.5;
+    column[i] = x + size * (i % 4 + 0.5);
+    row[i] = y + size * (i / 4 + 0.5);
   }
-  D16 direction[3];
+  Start start{camera.eye, {}, splat16(from)};
   D16 square = splat16(0);
   for (int a = 0; a < 3; ++a) {
-    direction[a] = splat16(camera.corner[a]) + splat16(camera.right[a]) * load16(column) +
-                   splat16(camera.down[a]) * load16(row);
-    square = square + direction[a] * direction[a];
-    rays.origin[a] = camera.eye[a];
+    start.direction[a] = splat16(camera.corner[a]) + splat16(camera.right[a]) * load16(column) +
+                         splat16(camera.down[a]) * load16(row);
+    square = square + start.direction[a] * start.direction[a];
   }
   const D16 scale = splat16(1) / sqrt(square);
+  for (D16& direction : start.direction) direction = direction * scale;
+  return start;
+}
+
+void march_packets(const PacketScene& scene, const PacketCamera& camera, int x, int y,
+                   double spread, double from, double* starts) {
+  const Start start = look_through(camera, x, y, 4, from);
+  const F16 radius = splat(static_cast<float>(spread * from) * 1.000001F + kBeamSlack);
+  const BeamEnds ends =
+      march(scene, make_lanes(scene, start), radius, static_cast<float>(spread) * 1.000001F);
+  const std::uint32_t gone = bits(ends.gone);
+  store16(starts, start.from + to_double(ends.t));
+  for (int i = 0; i < kLanes; ++i) {
+    if (((gone >> i) & 1U) != 0) starts[i] = __builtin_inf();
+  }
+}
+
+void add_rays(const PacketCamera& camera, int x, int y, double from, PacketRays& rays) {
+  const Start start = look_through(camera, x, y, 1, from);
   const int first = rays.packets * kLanes;
-  for (int a = 0; a < 3; ++a) store16(rays.direction[a] + first, direction[a] * scale);
-  store16(rays.from + first, splat16(from));
+  for (int a = 0; a < 3; ++a) {
+    store16(rays.direction[a] + first, start.direction[a]);
+    rays.origin[a] = camera.eye[a];
+  }
+  store16(rays.from + first, start.from);
   rays.active[rays.packets++] = 0xffffU;
 }
 
 }  // namespace
 
 extern const PacketKernel kPacketKernel;
-const PacketKernel kPacketKernel = {add_rays, trace};
+const PacketKernel kPacketKernel = {march_packets, add_rays, trace};
 
 }  // namespace sdfgrid::SDFGRID_ISA

@@ -63,6 +63,11 @@ struct PacketHits {
 };
 
 struct PacketKernel {
+  // For each of 4 x 4 packets of 4 x 4 pixels, (x, y) the first, a length, at least `from`, up to
+  // which its rays meet nothing after `from`, or +inf if they never do. `spread`: more than what a
+  // unit direction in a packet differs from the middle one.
+  void (*march_packets)(const PacketScene& scene, const PacketCamera& camera, int x, int y,
+                        double spread, double from, double* starts);
   // Adds the rays through the centres of 4 x 4 pixels, (x, y) the first, starting at `from`.
   void (*add_rays)(const PacketCamera& camera, int x, int y, double from, PacketRays& rays);
   void (*trace)(const PacketScene& scene, PacketRays& rays, PacketHits& hits);

@@ -87,47 +87,46 @@ class RayQueue {
   alignas(64) float field_[kFields][PacketRays::kRays + kLanes];
 };
 
-// Whether all of a packet's rays start within the tables.
-inline bool starts_inside(const PacketScene& scene, const PacketRays& in, int first) {
+// A packet's rays from one place: unit directions, and where on them to start.
+struct Start {
+  const double* origin;
+  D16 direction[3];
+  D16 from;
+  [[nodiscard]] D16 place(int a) const { return splat16(origin[a]) + from * direction[a]; }
+};
+
+// Moves starts to where the rays enter the tables; returns which do.
+inline I16 clip(const PacketScene& scene, Start& start) {
   I16 inside = splat(-1);
   for (int a = 0; a < 3; ++a) {
-    const D16 place =
-        splat16(in.origin[a]) + load16(in.from + first) * load16(in.direction[a] + first);
-    const D16 margin = min(place, splat16(scene.dims[a] * 8) - place);
-    inside &= to_float(margin) > 0.0F;
+    const D16 place = start.place(a);
+    inside &= to_float(min(place, splat16(scene.dims[a] * 8) - place)) > 0.0F;
   }
-  return all(inside);
-}
-
-// Moves the starts of a packet's rays to where they enter the tables; returns which do.
-inline I16 clip(const PacketScene& scene, PacketRays& in, int first) {
-  if (starts_inside(scene, in, first)) return splat(-1);
-  D16 from = load16(in.from + first);
+  if (all(inside)) return inside;
   D16 to = splat16(1e300);
   for (int a = 0; a < 3; ++a) {
-    D16 direction = load16(in.direction[a] + first);
+    D16 direction = start.direction[a];
     for (D8& d : direction.half) d = d == 0.0 ? splat8(1e-200) : d;
     const D16 inverse = splat16(1) / direction;
-    const D16 zero = splat16(-in.origin[a]) * inverse;
-    const D16 end = splat16(scene.dims[a] * 8 - in.origin[a]) * inverse;
-    from = max(min(zero, end), from);
+    const D16 zero = splat16(-start.origin[a]) * inverse;
+    const D16 end = splat16(scene.dims[a] * 8 - start.origin[a]) * inverse;
+    start.from = max(min(zero, end), start.from);
     to = min(max(zero, end), to);
   }
-  store16(in.from + first, from);
-  return to_float(to - from) > 0.0F;
+  return to_float(to - start.from) > 0.0F;
 }
 
-// Splits a packet's places at in.from into a cell and the rest, in double.
-inline Rays make_lanes(const PacketScene& scene, const PacketRays& in, int first) {
+// Splits the places where the rays start into a cell of the tables and the rest, in double.
+inline Rays make_lanes(const PacketScene& scene, const Start& start) {
   Rays rays;
   rays.octant = splat(0);
+  rays.number = splat(0);
   for (int a = 0; a < 3; ++a) {
     const std::int32_t cells = scene.dims[a] * 8;
-    const D16 direction = load16(in.direction[a] + first);
-    const D16 place = splat16(in.origin[a]) + load16(in.from + first) * direction;
+    const D16 place = start.place(a);
     const I16 base = to_int(min(max(place, splat16(0)), splat16(cells - 1)));
     const F16 rest = to_float(place - to_double(base));
-    const F16 d = to_float(direction);
+    const F16 d = to_float(start.direction[a]);
     rays.flip[a] = d < 0.0F;
     rays.origin[a] = select(rays.flip[a], 1.0F - rest, rest);
     // Flatter than this a ray stays in its cell; 0 would make the plane at hand 0 / 0 away.
@@ -138,7 +137,6 @@ inline Rays make_lanes(const PacketScene& scene, const PacketRays& in, int first
     rays.limit[a] = (~rays.flip[a] & cells) - rays.base[a];
     rays.octant = 2 * rays.octant - rays.flip[a];
   }
-  for (int i = 0; i < kLanes; ++i) rays.number[i] = first + i;
   return rays;
 }
 

@@ -14,9 +14,9 @@
 namespace sdfgrid {
 namespace {
 
-constexpr int kTile = 16;  // pixels a side
-constexpr int kPacket = 4;
-constexpr std::size_t kTask = 32;  // tiles at a time on a thread
+constexpr int kPacket = 4;                // pixels a side
+constexpr int kTile = kPacket * kPacket;  // the same
+constexpr std::size_t kTask = 32;         // tiles at a time on a thread
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // One picture's worth of constants.
@@ -82,27 +82,27 @@ class Tracer {
     return bits;
   }
 
-  // The rays of a square of pixels. Two of them differ by no more than their places in a plane at
-  // distance 1 from the eye.
-  [[nodiscard]] Beam beam(int x, int y, int size) const {
-    const double radius =
-        0.5 * size * std::hypot(glm::length(rays_.right()), glm::length(rays_.down()));
-    return {eye_, rays_.ray(x + 0.5 * size, y + 0.5 * size).direction, radius};
+  // What unit directions in a square of pixels differ by from the middle one, at most: no more than
+  // their places in a plane at distance 1 from the eye.
+  [[nodiscard]] double spread(int size) const {
+    return 0.5 * size * std::hypot(glm::length(rays_.right()), glm::length(rays_.down()));
   }
 
   // Adds the packets of a tile that may hit; traces the batch when it is full.
   void gather(int left, int top, Batch& batch) const {
-    const double start = march(atlas_, beam(left, top, kTile), 0);
+    const glm::dvec3 axis = rays_.ray(left + 0.5 * kTile, top + 0.5 * kTile).direction;
+    const double start = march(atlas_, {eye_, axis, spread(kTile)}, 0);
     if (start == kInfinity) return;
-    for (int y = top; y < std::min(top + kTile, hits_.height); y += kPacket) {
-      for (int x = left; x < std::min(left + kTile, hits_.width); x += kPacket) {
-        const double from = march(atlas_, beam(x, y, kPacket), start);
-        if (from == kInfinity) continue;
-        if (batch.rays.packets == PacketRays::kPackets) trace(batch);
-        batch.pixels[batch.rays.packets] = row(y) + x;
-        kernel_.add_rays(camera_, x, y, from, batch.rays);
-        batch.rays.active[batch.rays.packets - 1] = in_picture(x, y);
-      }
+    double starts[PacketRays::kLanes];
+    kernel_.march_packets(scene_, camera_, left, top, spread(kPacket), start, starts);
+    for (int i = 0; i < PacketRays::kLanes; ++i) {
+      const int x = left + i % kPacket * kPacket;
+      const int y = top + i / kPacket * kPacket;
+      if (starts[i] == kInfinity || x >= hits_.width || y >= hits_.height) continue;
+      if (batch.rays.packets == PacketRays::kPackets) trace(batch);
+      batch.pixels[batch.rays.packets] = row(y) + x;
+      kernel_.add_rays(camera_, x, y, starts[i], batch.rays);
+      batch.rays.active[batch.rays.packets - 1] = in_picture(x, y);
     }
   }
 
