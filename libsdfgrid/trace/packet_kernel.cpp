@@ -69,7 +69,7 @@ class Tracer {
   void fetch(RayQueue& queue, std::uint32_t free) {
     write(free & bits(taken_));
     const I16 fresh = lanes(queue.pop(rays_, free));
-    taken_ |= fresh;
+    taken_ = (taken_ & ~lanes(free)) | fresh;
     walking_ |= fresh;
     t_ = select(fresh, splat(0.0F), t_);
     steps_ = select(fresh, splat(0), steps_);

@@ -1,5 +1,5 @@
 // What only large grids show: rays longer than the stretch over which single precision is trusted,
-// tables too large to make, and normals across the borders of bricks.
+// tables too large to make, steps, and normals across the borders of bricks.
 #include <gtest/gtest.h>
 #include <openvdb/tools/LevelSetSphere.h>
 
@@ -9,6 +9,7 @@
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/grid/vdb.h"
 #include "sdfgrid/trace/trace.h"
+#include "sdfgrid/trace/walk.h"
 
 namespace sdfgrid {
 namespace {
@@ -57,6 +58,31 @@ TEST(LongRays, PacketsHitWhatSingleRaysHit) {
     ASSERT_NEAR(hits.depth[i], *single, 0.02 * kVoxel) << "pixel " << i;
   }
   EXPECT_GT(far, 2000);
+}
+
+// Whatever rays share a packet and a queue with it, a ray's steps are its own: from the eye, less
+// those that a packet makes together.
+TEST(Steps, AreNoMoreThanTheRayMakesAlone) {
+  openvdb::initialize();
+  const Atlas atlas = make_atlas(
+      from_vdb(openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(20, {0, 0, 0}, kVoxel, 3)),
+      Job());
+  Camera camera;
+  camera.eye = {0, 0, 24};
+  camera.fov = 120;
+  camera.width = 203;
+  camera.height = 101;
+  const HitBuffer hits = trace_primary(atlas, camera, Job());
+  const RayGenerator rays(camera);
+  int equal = 0;
+  for (int i = 0; i < 203 * 101; ++i) {
+    const Ray ray = rays.ray(i % 203 + 0.5, i / 203 + 0.5);
+    const Walk alone = walk_ray(atlas, ray, 0, 1e300);
+    // Starting elsewhere, it meets other empty cubes.
+    ASSERT_LE(hits.steps[i], 1.25 * alone.steps + 4) << "pixel " << i;
+    equal += hits.steps[i] == alone.steps ? 1 : 0;
+  }
+  EXPECT_GT(equal, 1000);
 }
 
 TEST(Atlas, RefusesTablesThatWouldFillTheMemory) {
