@@ -42,6 +42,7 @@ CLI::Option* add_choice(CLI::App& app, const std::string& option, T& value,
                         const std::vector<std::pair<std::string, T>>& choices,
                         const std::string& help) {
   std::vector<std::string> words;
+  words.reserve(choices.size());
   for (const auto& choice : choices) words.push_back(choice.first);
   const auto take = [&value, option, choices, words](const std::string& given) {
     for (const auto& [word, meaning] : choices) {

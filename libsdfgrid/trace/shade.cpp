@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <atomic>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <string_view>
@@ -87,6 +88,13 @@ void refine_row(const Shader& shader, const Atlas& atlas, const RayGenerator& ra
 }  // namespace
 
 Surroundings make_surroundings(const Atlas& atlas, const Job& job) {
+  // The visibility kernel's lanes index samples with 32 bits.
+  if (atlas.samples.size() > std::size_t{std::numeric_limits<std::int32_t>::max()}) {
+    throw Error(ErrorKind::failed,
+                fmt::format("{:.1f} million bricks are more than the 2.9 million that can be "
+                            "shaded; use a coarser voxel",
+                            1e-6 * static_cast<double>(atlas.samples.size() / Atlas::kSamples)));
+  }
   Surroundings surroundings;
   surroundings.points = surface_points(atlas, job);
   surroundings.far = make_far_field(atlas, surroundings.points, kFarNodes, job);

@@ -52,6 +52,7 @@ struct Picture {
 };
 
 // What surrounds a point of the surface, beyond what the atlas knows; make it once for an atlas.
+// make_surroundings() throws Error{failed} if the atlas has more than 2.9 million bricks (8.6 GB).
 struct Surroundings {
   FarField far;
   std::vector<glm::vec3> points;  // surface_points()

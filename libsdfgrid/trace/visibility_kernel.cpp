@@ -32,14 +32,14 @@ inline F16 trilinear(const float* p, I16 base, std::int32_t sx, std::int32_t sy,
 // The atlas's field.
 inline F16 near_field(const VisibilityScene& s, const V16& p) {
   const V16 slot = {floor(p.x * 0.125F), floor(p.y * 0.125F), floor(p.z * 0.125F)};
-  const I16 sx = to_int(slot.x);
-  const I16 sy = to_int(slot.y);
-  const I16 sz = to_int(slot.z);
-  const I16 exists =
-      (sx >= 0) & (sy >= 0) & (sz >= 0) & (sx < s.dims[0]) & (sy < s.dims[1]) & (sz < s.dims[2]);
+  const I16 exists = (slot.x >= 0.0F) & (slot.y >= 0.0F) & (slot.z >= 0.0F) &
+                     (slot.x < static_cast<float>(s.dims[0])) &
+                     (slot.y < static_cast<float>(s.dims[1])) &
+                     (slot.z < static_cast<float>(s.dims[2]));
   F16 value = splat(s.outside);
   if (!any(exists)) return value;
-  const I16 place = select(exists, (sx * s.dims[1] + sy) * s.dims[2] + sz, splat(0));
+  const auto held = [&](F16 v) { return to_int(select(exists, v, splat(0.0F))); };
+  const I16 place = (held(slot.x) * s.dims[1] + held(slot.y)) * s.dims[2] + held(slot.z);
   const I16 brick = select(exists, gather(s.bricks, place), splat(-1));
   value = select(brick < -1, splat(s.inside), value);
   const I16 there = brick >= 0;
@@ -136,7 +136,7 @@ inline F16 sun(const VisibilityScene& s, const V16& from, const V16& normal) {
     open = select(active, min(open, select(value > 0.0F, passage, splat(0.0F))), open);
     before = value;
     stride = max(0.85F * value, 0.5F + 0.02F * t);
-    t += stride;
+    t += select(active, stride, splat(0.0F));  // a lane that is done stays where it is
     active = active & (open > 0.01F) & (t < s.sun_reach);
   }
   return smooth(clamp(open, 0.0F, 1.0F));
