@@ -18,19 +18,6 @@ constexpr winding::Accuracy kAccuracy = {1e-3, 0.1};
 // How finely the boundary is taken apart at most: more makes the gradient's bound hardly lower.
 constexpr double kFinestOpening = 0.4;
 
-winding::Evaluate kernel() {
-  switch (active_isa()) {
-#if defined(__x86_64__)
-    case Isa::avx512:
-      return avx512::evaluate_winding;
-    case Isa::avx2:
-      return avx2::evaluate_winding;
-#endif
-    default:
-      return baseline::evaluate_winding;
-  }
-}
-
 }  // namespace
 
 struct WindingNumber::Parts {
@@ -42,7 +29,7 @@ struct WindingNumber::Parts {
 WindingNumber::WindingNumber(const TriangleSoup& soup, const Job& job)
     : parts_(std::make_unique<Parts>(Parts{winding::build_tree(soup, kAccuracy, job),
                                            winding::Boundary(winding::boundary_edges(soup)),
-                                           kernel()})) {}
+                                           SDFGRID_SELECT_ISA(evaluate_winding)})) {}
 
 WindingNumber::~WindingNumber() = default;
 WindingNumber::WindingNumber(WindingNumber&&) noexcept = default;

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "sdfgrid/core/kernel.h"
+
 namespace sdfgrid::winding {
 
 inline constexpr int kWidth = 16;
@@ -40,15 +42,7 @@ using Evaluate = void (*)(const TreeView& tree, const double* positions, std::si
 
 }  // namespace sdfgrid::winding
 
-namespace sdfgrid::baseline {
-void evaluate_winding(const winding::TreeView& tree, const double* positions, std::size_t count,
-                      double* out);
-}
-namespace sdfgrid::avx2 {
-void evaluate_winding(const winding::TreeView& tree, const double* positions, std::size_t count,
-                      double* out);
-}
-namespace sdfgrid::avx512 {
-void evaluate_winding(const winding::TreeView& tree, const double* positions, std::size_t count,
-                      double* out);
-}
+namespace sdfgrid {
+SDFGRID_DECLARE_ISAS(void evaluate_winding(const winding::TreeView& tree, const double* positions,
+                                           std::size_t count, double* out))
+}  // namespace sdfgrid

@@ -4,18 +4,6 @@
 
 namespace sdfgrid {
 
-const PacketKernel& packet_kernel() {
-#if defined(__x86_64__)
-  switch (active_isa()) {
-    case Isa::avx512:
-      return avx512::kPacketKernel;
-    case Isa::avx2:
-      return avx2::kPacketKernel;
-    case Isa::baseline:
-      break;
-  }
-#endif
-  return baseline::kPacketKernel;
-}
+const PacketKernel& packet_kernel() { return SDFGRID_SELECT_ISA(kPacketKernel); }
 
 }  // namespace sdfgrid

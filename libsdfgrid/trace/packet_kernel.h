@@ -19,6 +19,8 @@
 
 #include <cstdint>
 
+#include "sdfgrid/core/kernel.h"
+
 namespace sdfgrid {
 
 struct PacketScene {
@@ -76,16 +78,6 @@ struct PacketKernel {
 // The kernel for this machine.
 const PacketKernel& packet_kernel();
 
-namespace baseline {
-extern const PacketKernel kPacketKernel;
-}
-#if defined(__x86_64__)
-namespace avx2 {
-extern const PacketKernel kPacketKernel;
-}
-namespace avx512 {
-extern const PacketKernel kPacketKernel;
-}
-#endif
+SDFGRID_DECLARE_ISAS(extern const PacketKernel kPacketKernel)
 
 }  // namespace sdfgrid

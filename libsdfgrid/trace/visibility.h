@@ -7,6 +7,8 @@
 
 #include <cstdint>
 
+#include "sdfgrid/core/kernel.h"
+
 namespace sdfgrid {
 
 struct VisibilityScene {
@@ -47,16 +49,6 @@ using VisibilityKernel = void (*)(const VisibilityScene& scene, const Visibility
 // The kernel for this machine.
 [[nodiscard]] VisibilityKernel visibility_kernel();
 
-namespace baseline {
-void visibility(const VisibilityScene& scene, const VisibilityBatch& batch);
-}
-#if defined(__x86_64__)
-namespace avx2 {
-void visibility(const VisibilityScene& scene, const VisibilityBatch& batch);
-}
-namespace avx512 {
-void visibility(const VisibilityScene& scene, const VisibilityBatch& batch);
-}
-#endif
+SDFGRID_DECLARE_ISAS(void visibility(const VisibilityScene& scene, const VisibilityBatch& batch))
 
 }  // namespace sdfgrid

@@ -4,18 +4,6 @@
 
 namespace sdfgrid {
 
-VisibilityKernel visibility_kernel() {
-#if defined(__x86_64__)
-  switch (active_isa()) {
-    case Isa::avx512:
-      return avx512::visibility;
-    case Isa::avx2:
-      return avx2::visibility;
-    case Isa::baseline:
-      break;
-  }
-#endif
-  return baseline::visibility;
-}
+VisibilityKernel visibility_kernel() { return SDFGRID_SELECT_ISA(visibility); }
 
 }  // namespace sdfgrid

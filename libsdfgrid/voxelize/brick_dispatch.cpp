@@ -4,18 +4,6 @@
 
 namespace sdfgrid {
 
-const BrickKernel& brick_kernel() {
-#if defined(__x86_64__)
-  switch (active_isa()) {
-    case Isa::avx512:
-      return avx512::kBrickKernel;
-    case Isa::avx2:
-      return avx2::kBrickKernel;
-    case Isa::baseline:
-      break;
-  }
-#endif
-  return baseline::kBrickKernel;
-}
+const BrickKernel& brick_kernel() { return SDFGRID_SELECT_ISA(kBrickKernel); }
 
 }  // namespace sdfgrid

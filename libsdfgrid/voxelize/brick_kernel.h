@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "sdfgrid/core/kernel.h"
+
 namespace sdfgrid {
 
 // A triangle as seven affine functions of position: its height z over the plane, and for each edge
@@ -76,16 +78,6 @@ struct BrickKernel {
 // The kernel for this machine.
 const BrickKernel& brick_kernel();
 
-namespace baseline {
-extern const BrickKernel kBrickKernel;
-}
-#if defined(__x86_64__)
-namespace avx2 {
-extern const BrickKernel kBrickKernel;
-}
-namespace avx512 {
-extern const BrickKernel kBrickKernel;
-}
-#endif
+SDFGRID_DECLARE_ISAS(extern const BrickKernel kBrickKernel)
 
 }  // namespace sdfgrid
