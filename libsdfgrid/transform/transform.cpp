@@ -1,0 +1,108 @@
+#include "sdfgrid/transform/transform.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sdfgrid/core/error.h"
+#include "sdfgrid/core/parallel.h"
+#include "sdfgrid/transform/meijster.h"
+
+namespace sdfgrid {
+namespace {
+
+constexpr TransformMethodInfo kMethods[] = {
+    {TransformMethod::meijster, "meijster", "exact distances between samples"},
+};
+
+std::size_t sample_count(const glm::ivec3& dims) {
+  return static_cast<std::size_t>(dims.x) * static_cast<std::size_t>(dims.y) *
+         static_cast<std::size_t>(dims.z);
+}
+
+void check(const DenseSeeds& seeds, const TransformOptions& options, std::size_t room) {
+  const glm::ivec3& n = seeds.dims;
+  if (n.x < 1 || n.y < 1 || n.z < 1 || n.x > (1 << 20) || n.y > (1 << 20) || n.z > (1 << 20)) {
+    throw Error(ErrorKind::usage, fmt::format("a volume of {} x {} x {} samples", n.x, n.y, n.z));
+  }
+  const glm::dvec3& s = seeds.spacing;
+  if (!(s.x > 0 && s.y > 0 && s.z > 0 && std::isfinite(s.x * s.y * s.z))) {
+    throw Error(ErrorKind::usage,
+                fmt::format("spacing {}, {}, {}: must be positive numbers", s.x, s.y, s.z));
+  }
+  const std::size_t count = sample_count(n);
+  const bool masked = !seeds.mask.empty();
+  if ((masked ? seeds.mask.size() : seeds.values.size()) != count ||
+      (masked && !seeds.values.empty()) || room != count) {
+    throw Error(ErrorKind::usage, "the seeds do not have as many samples as the volume");
+  }
+  if (!(options.window >= 0)) throw Error(ErrorKind::usage, "a window must not be negative");
+}
+
+// Throws Error{input} naming the first value that is not finite.
+void check_finite(const DenseSeeds& seeds, const Job& job) {
+  const std::size_t row = static_cast<std::size_t>(seeds.dims.z);
+  parallel_for(seeds.values.size() / row, 256, job, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin * row; i < end * row; ++i) {
+      if (std::isfinite(seeds.values[i])) continue;
+      const auto ny = static_cast<std::size_t>(seeds.dims.y);
+      throw Error(
+          ErrorKind::input,
+          fmt::format("sample [{}, {}, {}] is not a finite number; replace such samples by a "
+                      "value of the side that they are on",
+                      i / row / ny, i / row % ny, i % row));
+    }
+  });
+}
+
+InsideRow inside_row(const DenseSeeds& seeds) {
+  const auto offset = [dims = seeds.dims](int i, int j) {
+    return (static_cast<std::size_t>(i) * static_cast<std::size_t>(dims.y) +
+            static_cast<std::size_t>(j)) *
+           static_cast<std::size_t>(dims.z);
+  };
+  const auto count = static_cast<std::size_t>(seeds.dims.z);
+  if (!seeds.mask.empty()) {
+    return [=, mask = seeds.mask](int i, int j, std::uint8_t* inside) {
+      std::copy_n(mask.data() + offset(i, j), count, inside);
+    };
+  }
+  const bool coverage = seeds.kind == SeedKind::coverage;
+  return [=, values = seeds.values](int i, int j, std::uint8_t* inside) {
+    const float* v = values.data() + offset(i, j);
+    for (std::size_t k = 0; k < count; ++k) inside[k] = coverage ? v[k] > 0.5F : v[k] < 0;
+  };
+}
+
+void run_meijster(const DenseSeeds& seeds, const TransformOptions& options,
+                  std::span<float> distance, const Job& job) {
+  MeijsterOptions meijster_options;
+  meijster_options.dims = seeds.dims;
+  meijster_options.spacing = seeds.spacing;
+  meijster_options.side = options.side;
+  meijster_options.window = options.window;
+  if (options.side == TransformSide::both) {
+    const glm::dvec3& s = seeds.spacing;
+    meijster_options.shift = 0.5 * std::min({s.x, s.y, s.z});
+  }
+  meijster(inside_row(seeds), meijster_options, distance, job);
+}
+
+}  // namespace
+
+std::span<const TransformMethodInfo> transform_methods() { return kMethods; }
+
+void distance_transform(const DenseSeeds& seeds, const TransformOptions& options,
+                        std::span<float> distance, const Job& job) {
+  check(seeds, options, distance.size());
+  check_finite(seeds, job);
+  switch (options.method) {
+    case TransformMethod::meijster:
+      return run_meijster(seeds, options, distance, job);
+    default:
+      throw Error(ErrorKind::usage, "this method is not built yet");
+  }
+}
+
+}  // namespace sdfgrid
