@@ -63,7 +63,13 @@ LeafPointer make_leaf(const Brick& brick) {
 // The leaves of one node, by place, so that threads may fill them in any order.
 using NodeLeaves = std::vector<LeafPointer>;
 
-NodeLeaves run_node(const MeshVoxelizer& voxelizer, std::size_t node, const Job& job) {
+// All leaves of a mesh, by node.
+struct MeshLeaves {
+  std::vector<NodeLeaves> nodes;
+  bool contradicted = false;  // see MeshVoxelizer
+};
+
+NodeLeaves run_node(MeshVoxelizer& voxelizer, std::size_t node, const Job& job) {
   NodeLeaves leaves(kNodeBricks * kNodeBricks * kNodeBricks);
   const glm::ivec3 origin = voxelizer.node_origin(node);
   voxelizer.run(
@@ -75,6 +81,23 @@ NodeLeaves run_node(const MeshVoxelizer& voxelizer, std::size_t node, const Job&
       job);
   std::erase(leaves, nullptr);
   leaves.shrink_to_fit();  // a large grid has thousands of nodes
+  return leaves;
+}
+
+MeshLeaves make_leaves(const SignedMesh& mesh, const Lattice& lattice, const Band& band,
+                       const Job& job) {
+  MeshVoxelizer voxelizer(mesh, lattice, band, job);
+  MeshLeaves leaves;
+  leaves.nodes.resize(voxelizer.nodes());
+  std::atomic<std::size_t> done{0};
+  parallel_for(voxelizer.nodes(), 1, job, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t node = begin; node < end; ++node) {
+      leaves.nodes[node] = run_node(voxelizer, node, job);
+      job.report("voxelize",
+                 static_cast<double>(++done) / static_cast<double>(leaves.nodes.size()));
+    }
+  });
+  leaves.contradicted = voxelizer.contradicted();
   return leaves;
 }
 
@@ -242,26 +265,28 @@ Conversion convert_mesh(const TriangleSoup& soup, const ConvertOptions& options,
   check_memory(soup, lattice, options);
   Stopwatch watch;
   Conversion result;
-  const SignedMesh mesh = prepare_sign(soup, options.sign, job);
+  SignedMesh mesh = prepare_sign(soup, options.sign, job);
+  result.seconds.sign = watch.lap();
+  MeshLeaves leaves = make_leaves(mesh, lattice, options.band, job);
+  result.seconds.voxelize = watch.lap();
+  if (leaves.contradicted && options.sign == SignMethod::automatic) {
+    leaves = {};
+    sign_by_winding(mesh, "the mesh is closed but crosses itself", job);
+    result.seconds.sign += watch.lap();
+    leaves = make_leaves(mesh, lattice, options.band, job);
+    result.seconds.voxelize += watch.lap();
+  } else if (leaves.contradicted) {
+    mesh.warnings.push_back(
+        "the mesh crosses itself: signs by normals are wrong near there; --sign winding makes one "
+        "solid of it");
+  }
   result.sign = mesh.method;
   result.sign_reason = mesh.reason;
   result.warnings = mesh.warnings;
-  result.seconds.sign = watch.lap();
-
-  const MeshVoxelizer voxelizer(mesh, lattice, options.band, job);
-  std::vector<NodeLeaves> leaves(voxelizer.nodes());
-  std::atomic<std::size_t> done{0};
-  parallel_for(voxelizer.nodes(), 1, job, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t node = begin; node < end; ++node) {
-      leaves[node] = run_node(voxelizer, node, job);
-      job.report("voxelize", static_cast<double>(++done) / static_cast<double>(leaves.size()));
-    }
-  });
-  result.seconds.voxelize = watch.lap();
 
   const auto vdb = make_vdb(lattice, options.band, mesh.method);
   openvdb::tree::ValueAccessor<openvdb::FloatTree> accessor(vdb->tree());
-  for (NodeLeaves& node : leaves) {
+  for (NodeLeaves& node : leaves.nodes) {
     for (LeafPointer& leaf : node) accessor.addLeaf(leaf.release());
     node = NodeLeaves();
   }

@@ -80,9 +80,9 @@ void spread(const BrickLinks& links, const BrickBits& allowed, BrickBits& set, i
   }
 }
 
-BrickBits negative_by_normal(const SignedMesh& mesh, const BrickDistances& distances,
-                             const BrickLinks& links, const BrickPosition& position,
-                             std::span<const std::uint32_t> triangles) {
+NormalSigns negative_by_normal(const SignedMesh& mesh, const BrickDistances& distances,
+                               const BrickLinks& links, const BrickPosition& position,
+                               std::span<const std::uint32_t> triangles) {
   // Above and below faces the kernel has seen the sign; most other samples are linked to those.
   BrickBits negative;
   BrickBits positive;
@@ -107,7 +107,9 @@ BrickBits negative_by_normal(const SignedMesh& mesh, const BrickDistances& dista
     add(behind_pseudonormal(mesh.soup, *mesh.topology, t, position(sample)) ? negative : positive,
         same);
   }
-  return negative;
+  BrickBits reached = negative;
+  spread(links, everything(), reached, 1);
+  return {negative, reached != negative};
 }
 
 BrickBits negative_by_winding(const WindingNumber& winding, const BrickLinks& links,

@@ -30,10 +30,18 @@ struct BrickPosition {
   }
 };
 
+struct NormalSigns {
+  BrickBits negative;
+  // Normals disagree about samples that no triangle separates: the mesh crosses itself nearby, and
+  // the nearest triangle knows nothing of the part that it lies in.
+  bool contradicted;
+};
+
 // Samples inside by pseudonormals. `triangles[i]` is the triangle of frame i.
-[[nodiscard]] BrickBits negative_by_normal(const SignedMesh& mesh, const BrickDistances& distances,
-                                           const BrickLinks& links, const BrickPosition& position,
-                                           std::span<const std::uint32_t> triangles);
+[[nodiscard]] NormalSigns negative_by_normal(const SignedMesh& mesh,
+                                             const BrickDistances& distances,
+                                             const BrickLinks& links, const BrickPosition& position,
+                                             std::span<const std::uint32_t> triangles);
 
 // Samples inside by winding number.
 [[nodiscard]] BrickBits negative_by_winding(const WindingNumber& winding, const BrickLinks& links,

@@ -135,4 +135,11 @@ SignedMesh prepare_sign(TriangleSoup soup, SignMethod method, const Job& job) {
   return mesh;
 }
 
+void sign_by_winding(SignedMesh& mesh, std::string reason, const Job& job) {
+  mesh.method = SignMethod::winding;
+  mesh.reason = std::move(reason);
+  mesh.topology.reset();
+  mesh.winding = std::make_shared<WindingNumber>(mesh.soup, job);
+}
+
 }  // namespace sdfgrid

@@ -39,4 +39,7 @@ struct SignedMesh {
 // that has no inside: the message counts what is wrong.
 [[nodiscard]] SignedMesh prepare_sign(TriangleSoup soup, SignMethod method, const Job& job);
 
+// Changes a mesh that was prepared for another method to winding numbers.
+void sign_by_winding(SignedMesh& mesh, std::string reason, const Job& job);
+
 }  // namespace sdfgrid

@@ -45,10 +45,15 @@ bool is_needed(const Workspace& work) {
                      [](float squared) { return squared < kNear; });
 }
 
-BrickBits signs(const SignedMesh& mesh, const Workspace& work, const BrickPosition& position) {
+BrickBits signs(const SignedMesh& mesh, const Workspace& work, const BrickPosition& position,
+                std::atomic<bool>& contradicted) {
   switch (mesh.method) {
-    case SignMethod::normal:
-      return negative_by_normal(mesh, work.distances, work.links, position, work.triangles);
+    case SignMethod::normal: {
+      const NormalSigns signs =
+          negative_by_normal(mesh, work.distances, work.links, position, work.triangles);
+      if (signs.contradicted) contradicted = true;
+      return signs.negative;
+    }
     case SignMethod::winding:
       return negative_by_winding(*mesh.winding, work.links, position);
     case SignMethod::automatic:
@@ -71,7 +76,7 @@ MeshVoxelizer::MeshVoxelizer(const SignedMesh& mesh, const Lattice& lattice, con
                 : throw Error(ErrorKind::usage, "a band must be at least 1 voxel wide")) {}
 
 void MeshVoxelizer::run(std::size_t node, const std::function<void(const Brick&)>& take,
-                        const Job& job) const {
+                        const Job& job) {
   const BrickKernel& kernel = brick_kernel();
   const glm::ivec3 node_origin = bins_.origin(node);
   const std::span<const std::uint32_t> triangles = bins_.triangles(node);
@@ -99,7 +104,7 @@ void MeshVoxelizer::run(std::size_t node, const std::function<void(const Brick&)
       kernel.links(work->distances, static_cast<float>(reach_), work->links);
       const BrickPosition position{lattice_.to_world(glm::dvec3(origin)) - mesh_.soup.origin,
                                    lattice_.voxel};
-      const BrickBits negative = signs(mesh_, *work, position);
+      const BrickBits negative = signs(mesh_, *work, position, contradicted_);
       kernel.finish(work->distances, negative.data(), widths, work->values, work->active);
       if (is_needed(*work)) take({origin, work->values, work->active});
     }

@@ -3,6 +3,7 @@
 // decides where they go.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -34,7 +35,11 @@ class MeshVoxelizer {
 
   // Calls take(brick) for every brick of the node, from several threads at once and in no order.
   // The brick's data are gone when take returns. Throws what take throws, and Error{cancelled}.
-  void run(std::size_t node, const std::function<void(const Brick&)>& take, const Job& job) const;
+  void run(std::size_t node, const std::function<void(const Brick&)>& take, const Job& job);
+
+  // Whether normals contradicted each other in a brick so far: the mesh crosses itself, and signs
+  // by normals are wrong somewhere.
+  [[nodiscard]] bool contradicted() const { return contradicted_; }
 
  private:
   const SignedMesh& mesh_;
@@ -42,6 +47,7 @@ class MeshVoxelizer {
   Band band_;
   double reach_;
   NodeBins bins_;
+  std::atomic<bool> contradicted_{false};
 };
 
 }  // namespace sdfgrid

@@ -186,16 +186,41 @@ TEST(Sign, WindingAgreesWithNormalsOnClosedMeshes) {
 }
 
 // Where two closed meshes cross, their triangles inside one another are no surface of the whole.
-TEST(Sign, OverlappingSpheresUnderWindingAreOneSolid) {
+TEST(Sign, OverlappingSpheresAreOneSolid) {
   const TriangleSoup a = shapes::icosphere(3, 1.0, {-0.4, 0, 0});
   const TriangleSoup b = shapes::icosphere(3, 1.0, {0.4, 0, 0});
   const ReferenceDistance first(a);
   const ReferenceDistance second(b);
-  const Conversion conversion = convert(shapes::joined(a, b), 0.05, SignMethod::winding);
-  const Signs signs = count(conversion.grid, [&](const glm::dvec3& p) {
-    return first.signed_distance(p) < 0 || second.signed_distance(p) < 0;
-  });
-  EXPECT_EQ(signs.wrong, 0U);
+  for (const SignMethod method : {SignMethod::winding, SignMethod::automatic}) {
+    const Conversion conversion = convert(shapes::joined(a, b), 0.05, method);
+    EXPECT_EQ(conversion.sign, SignMethod::winding) << conversion.sign_reason;
+    const Signs signs = count(conversion.grid, [&](const glm::dvec3& p) {
+      return first.signed_distance(p) < 0 || second.signed_distance(p) < 0;
+    });
+    EXPECT_EQ(signs.wrong, 0U);
+  }
+}
+
+// Normals contradict each other where parts cross by a voxel or more, and only there.
+TEST(Sign, ContradictingNormalsAreNoticed) {
+  const auto crossing = [](double gap) {
+    return shapes::joined(shapes::icosphere(4, 1.0, {-1.0 - 0.5 * gap, 0, 0}),
+                          shapes::icosphere(4, 1.0, {1.0 + 0.5 * gap, 0.1, 0.03}));
+  };
+  const auto warnings = [&](double gap) {
+    return convert(crossing(gap), 0.05, SignMethod::normal).warnings.size();
+  };
+  EXPECT_EQ(warnings(0.02), 0U);
+  EXPECT_EQ(warnings(-0.12), 1U);
+  EXPECT_EQ(convert(crossing(0.02), 0.05).sign, SignMethod::normal);
+  const Conversion found = convert(crossing(-0.12), 0.05);
+  EXPECT_EQ(found.sign, SignMethod::winding);
+  EXPECT_NE(found.sign_reason.find("crosses itself"), std::string::npos) << found.sign_reason;
+  for (const auto& [name, soup] : shapes::random_closed_meshes(5, 6)) {
+    ConvertOptions options;
+    options.dim = 40;
+    EXPECT_EQ(convert_mesh(soup, options, Job()).sign, SignMethod::normal) << name;
+  }
 }
 
 // Two pyramids that share the vertex of their tips: one is sharp, the other blunt.
