@@ -1,0 +1,67 @@
+// field/batch_family.h: makes the batch functions of a family of ops from their templates, for the
+// *_kernel.cpp files of field/ only (not installed). Each op is a function of its own over memory, so
+// that what it computes does not depend on the program around it: a pruned program gives the same
+// bits.
+#pragma once
+
+#include "sdfgrid/field/lanes.h"
+#include "sdfgrid/field/ops.h"
+#include "sdfgrid/field/program.h"
+
+namespace sdfgrid::SDFGRID_ISA {
+
+using LanePoint = ops::Point<Lanes>;
+
+inline LanePoint load_point(const BatchStep& s, int i) {
+  return {load(s.p[0] + i), load(s.p[1] + i), load(s.p[2] + i)};
+}
+
+template <class Op>
+void apply(const BatchStep& s) {
+  Op op;
+  __builtin_memcpy(&op, s.constants, sizeof op);
+  for (int i = 0; i < s.n; i += kLanes) {
+    const LanePoint p = load_point(s, i);
+    if constexpr (ops::Leaf<Op>) {
+      store(s.out + i, ops::leaf_value(op, p, {s.data, s.count}).v);
+    } else if constexpr (ops::Combination<Op>) {
+      store(s.out + i, op.combine(Lanes(load(s.a + i)), Lanes(load(s.b + i)), p).v);
+    } else if constexpr (ops::Range<Op>) {
+      store(s.out + i, op.value(Lanes(load(s.a + i)), p).v);
+    } else {
+      const LanePoint q = op.inside(p);
+      store(s.q[0] + i, q.x.v);
+      store(s.q[1] + i, q.y.v);
+      store(s.q[2] + i, q.z.v);
+    }
+  }
+}
+
+template <class Op>
+void leave(const BatchStep& s) {
+  Op op;
+  __builtin_memcpy(&op, s.constants, sizeof op);
+  for (int i = 0; i < s.n; i += kLanes) {
+    store(s.out + i, op.value(Lanes(load(s.a + i)), load_point(s, i)).v);
+  }
+}
+
+template <class Op>
+constexpr BatchFunction leave_of() {
+  if constexpr (ops::Leaves<Op>) {
+    return leave<Op>;
+  } else {
+    return nullptr;
+  }
+}
+
+template <class List>
+struct Functions;
+template <class... Op>
+struct Functions<ops::OpList<Op...>> {
+  static constexpr BatchFunction apply[] = {SDFGRID_ISA::apply<Op>...};
+  static constexpr BatchFunction leave[] = {leave_of<Op>()...};
+  static constexpr BatchFamily family = {apply, leave};
+};
+
+}  // namespace sdfgrid::SDFGRID_ISA

@@ -1,0 +1,31 @@
+// field/batch_kernel.h: the batch reading of a program, between ordinary code and the kernels, which are
+// compiled once for each instruction set. Plain data only (not installed).
+#pragma once
+
+#include "sdfgrid/core/kernel.h"
+#include "sdfgrid/field/program.h"
+
+namespace sdfgrid {
+
+struct BatchProgram {
+  const Instruction* code;
+  int size;
+  const float* constants;
+  const Sampler* const* samplers;
+  void (*sample)(const Sampler* sampler, int n, const float* const p[3], float* out);
+};
+
+struct FieldKernel {
+  // One block of n points, n a multiple of 16 and at most kBatch; scratch holds
+  // kBatch * (values + 3 * points) floats for the depths of the program's stacks, 64-byte aligned.
+  void (*run)(const BatchProgram& program, int n, const float* const p[3], float* out,
+              float* scratch, int values);
+};
+
+const FieldKernel& field_kernel();
+
+// The families in the order of ops::Families.
+SDFGRID_DECLARE_ISAS(extern const FieldKernel kFieldKernel;
+                     extern const BatchFamily kCombinations, kRanges, kDomains, kBasicLeaves)
+
+}  // namespace sdfgrid

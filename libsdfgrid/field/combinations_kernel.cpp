@@ -1,0 +1,11 @@
+// The batch functions of combinations.h.
+#include "sdfgrid/field/combinations.h"
+
+#include "sdfgrid/field/batch_family.h"
+#include "sdfgrid/field/batch_kernel.h"
+
+namespace sdfgrid::SDFGRID_ISA {
+
+extern const BatchFamily kCombinations = Functions<ops::Combinations>::family;
+
+}  // namespace sdfgrid::SDFGRID_ISA

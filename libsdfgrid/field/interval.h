@@ -1,0 +1,131 @@
+// field/interval.h: the number type of all values over a box (internal to field/). Every result is
+// widened by more than what a float rounds, so that an interval holds not only the true values but
+// those that the batch kernels compute: pruning relies on it.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "sdfgrid/field/number.h"
+
+namespace sdfgrid::ops {
+
+struct Interval {
+  double lo = 0, hi = 0;
+
+  Interval() = default;
+  Interval(double v) : lo(v), hi(v) {}
+  Interval(double l, double h) : lo(l), hi(h) {}
+  [[nodiscard]] bool contains(double v) const { return lo <= v && v <= hi; }
+};
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr double kFloatSlack = 0x1p-22;     // four times what a float rounds
+inline constexpr double kFunctionSlack = 0x1p-20;  // what the kernels' exp, sin, ... may be off
+
+inline Interval everything() { return {-kInfinity, kInfinity}; }
+
+inline Interval widened(double lo, double hi, double slack = kFloatSlack) {
+  if (!(lo <= hi)) return everything();  // NaN, of infinities
+  return {lo * (lo > 0 ? 1 - slack : 1 + slack) - 1e-40,
+          hi * (hi > 0 ? 1 + slack : 1 - slack) + 1e-40};
+}
+inline Interval hull(const Interval& a, const Interval& b) {
+  return {std::fmin(a.lo, b.lo), std::fmax(a.hi, b.hi)};
+}
+// The values that are in both; `a` where rounding let them miss each other.
+inline Interval meet(const Interval& a, const Interval& b) {
+  const double lo = std::fmax(a.lo, b.lo);
+  const double hi = std::fmin(a.hi, b.hi);
+  return lo <= hi ? Interval(lo, hi) : a;
+}
+// The largest absolute value.
+inline double magnitude(const Interval& a) { return std::fmax(std::fabs(a.lo), std::fabs(a.hi)); }
+
+inline Interval operator-(const Interval& a) { return {-a.hi, -a.lo}; }
+inline Interval operator+(const Interval& a, const Interval& b) {
+  return widened(a.lo + b.lo, a.hi + b.hi);
+}
+inline Interval operator-(const Interval& a, const Interval& b) {
+  return widened(a.lo - b.hi, a.hi - b.lo);
+}
+inline double product(double a, double b) { return a == 0 || b == 0 ? 0.0 : a * b; }
+inline Interval operator*(const Interval& a, const Interval& b) {
+  const double p = product(a.lo, b.lo);
+  const double q = product(a.lo, b.hi);
+  const double r = product(a.hi, b.lo);
+  const double s = product(a.hi, b.hi);
+  return widened(std::fmin(std::fmin(p, q), std::fmin(r, s)),
+                 std::fmax(std::fmax(p, q), std::fmax(r, s)));
+}
+inline Interval operator/(const Interval& a, const Interval& b) {
+  if (b.lo <= 0 && b.hi >= 0) {
+    if (b.lo == 0 && b.hi > 0 && a.lo >= 0) return widened(product(a.lo, 1 / b.hi), kInfinity);
+    if (b.lo == 0 && b.hi > 0 && a.hi <= 0) return widened(-kInfinity, product(a.hi, 1 / b.hi));
+    return everything();
+  }
+  return a * Interval(1 / b.hi, 1 / b.lo);
+}
+inline Interval& operator+=(Interval& a, const Interval& b) { return a = a + b; }
+inline Interval& operator-=(Interval& a, const Interval& b) { return a = a - b; }
+inline Interval& operator*=(Interval& a, const Interval& b) { return a = a * b; }
+
+// A mask over a box: true everywhere, nowhere, or not known.
+struct Maybe {
+  bool possibly, certainly;
+};
+inline Maybe operator<(const Interval& a, const Interval& b) { return {a.lo < b.hi, a.hi < b.lo}; }
+inline Maybe operator>(const Interval& a, const Interval& b) { return b < a; }
+inline Maybe operator<=(const Interval& a, const Interval& b) {
+  return {a.lo <= b.hi, a.hi <= b.lo};
+}
+inline Maybe operator>=(const Interval& a, const Interval& b) { return b <= a; }
+inline Maybe operator&(Maybe a, Maybe b) {
+  return {a.possibly && b.possibly, a.certainly && b.certainly};
+}
+inline Maybe operator|(Maybe a, Maybe b) {
+  return {a.possibly || b.possibly, a.certainly || b.certainly};
+}
+inline Maybe operator!(Maybe a) { return {!a.certainly, !a.possibly}; }
+inline Interval select(Maybe m, const Interval& yes, const Interval& no) {
+  if (m.certainly) return yes;
+  return m.possibly ? hull(yes, no) : no;
+}
+
+inline Interval min(const Interval& a, const Interval& b) {
+  return {std::fmin(a.lo, b.lo), std::fmin(a.hi, b.hi)};
+}
+inline Interval max(const Interval& a, const Interval& b) {
+  return {std::fmax(a.lo, b.lo), std::fmax(a.hi, b.hi)};
+}
+inline Interval abs(const Interval& a) {
+  if (a.lo >= 0) return a;
+  if (a.hi <= 0) return -a;
+  return {0, magnitude(a)};
+}
+inline Interval sign(const Interval& a) {
+  return {a.lo < 0 ? -1.0 : 1.0, a.hi < 0 ? -1.0 : 1.0};
+}
+inline Interval square(const Interval& a) {
+  const Interval m = abs(a);
+  return widened(m.lo * m.lo, m.hi * m.hi);
+}
+inline Interval sqrt(const Interval& a) {
+  return widened(std::sqrt(std::fmax(a.lo, 0)), std::sqrt(std::fmax(a.hi, 0)));
+}
+inline Interval floor(const Interval& a) { return {std::floor(a.lo), std::floor(a.hi)}; }
+inline Interval exp(const Interval& a) {
+  return widened(std::exp(a.lo), std::exp(a.hi), kFunctionSlack * 16);
+}
+inline Interval log(const Interval& a) {
+  const Interval r = widened(std::log(std::fmax(a.lo, 0)), std::log(std::fmax(a.hi, 0)));
+  return {r.lo - kFunctionSlack, r.hi + kFunctionSlack};
+}
+// Of a >= 0.
+inline Interval pow(const Interval& a, const Interval& b) { return exp(log(a) * b); }
+Interval cos(const Interval& a);
+Interval sin(const Interval& a);
+Interval atan2(const Interval& y, const Interval& x);
+Interval acos(const Interval& a);
+
+}  // namespace sdfgrid::ops

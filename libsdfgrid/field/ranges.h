@@ -1,0 +1,62 @@
+// field/ranges.h: ops that change the value of one node (internal to field/).
+#pragma once
+
+#include "sdfgrid/field/combinations.h"
+
+namespace sdfgrid::ops {
+
+struct Complement {
+  static constexpr OpInfo info = {"complement", OpRole::range, OpGuarantee::exact,
+                                  "Everything that is not in the node.",
+                                  "intersection: [{box: {size: [2, 2, 1]}}, "
+                                  "{complement: {of: {sphere: {radius: 0.8}}}}]",
+                                  ""};
+  static constexpr bool kConvex = true;
+
+  template <class T>
+  T value(const T& d, const Point<T>&) const {
+    return -d;
+  }
+  Box bounds(const Box&) const {
+    return {glm::dvec3(-kInfinity), glm::dvec3(kInfinity)};
+  }
+};
+
+struct Offset {
+  static constexpr OpInfo info = {
+      "offset", OpRole::range, OpGuarantee::bound,
+      "Grows a node by a length (shrinks it by a negative one): the solid within that distance.",
+      "offset: {by: 0.2, of: {box: {size: [1.4, 1, 0.6]}}}", "Hart 1996; exact for exact convex nodes"};
+  static constexpr Parameter parameters[] = {length_of("by", 0.1, "how far outwards")};
+  static constexpr bool kConvex = true;
+  float by;
+
+  template <class T>
+  T value(const T& d, const Point<T>&) const {
+    return d - by;
+  }
+  double child_level(double level) const { return level + by; }
+  Box bounds(const Box& a) const { return a; }
+};
+
+struct Shell {
+  static constexpr OpInfo info = {
+      "shell", OpRole::range, OpGuarantee::bound,
+      "The skin of a node: all points within half the thickness of its surface.",
+      "intersection: [{shell: {thickness: 0.15, of: {sphere: {radius: 1}}}}, {plane: {normal: [1, 0.4, 1]}}]",
+      ""};
+  static constexpr Parameter parameters[] = {size("thickness", 0.1, "of the skin")};
+  static constexpr bool kConvex = true;
+  float thickness;
+
+  template <class T>
+  T value(const T& d, const Point<T>&) const {
+    return abs(d) - 0.5F * thickness;
+  }
+  double child_level(double level) const { return level + 0.5 * thickness; }
+  Box bounds(const Box& a) const { return a; }
+};
+
+using Ranges = OpList<Complement, Offset, Shell>;
+
+}  // namespace sdfgrid::ops

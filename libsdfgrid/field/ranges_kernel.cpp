@@ -1,0 +1,11 @@
+// The batch functions of ranges.h.
+#include "sdfgrid/field/ranges.h"
+
+#include "sdfgrid/field/batch_family.h"
+#include "sdfgrid/field/batch_kernel.h"
+
+namespace sdfgrid::SDFGRID_ISA {
+
+extern const BatchFamily kRanges = Functions<ops::Ranges>::family;
+
+}  // namespace sdfgrid::SDFGRID_ISA

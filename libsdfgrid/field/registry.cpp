@@ -1,0 +1,102 @@
+#include "sdfgrid/field/registry.h"
+
+#include <algorithm>
+
+#include "sdfgrid/field/interpret.h"
+#include "sdfgrid/field/leaf_bounds.h"
+
+namespace sdfgrid {
+namespace {
+
+using namespace ops;
+
+template <class Op>
+std::span<const Parameter> parameters_of() {
+  if constexpr (requires { Op::parameters; }) {
+    return Op::parameters;
+  } else {
+    return {};
+  }
+}
+
+template <class Op>
+RegisteredOp registered() {
+  RegisteredOp r;
+  r.entry = {&Op::info, parameters_of<Op>()};
+  r.floats = std::is_empty_v<Op> ? 0 : sizeof(Op) / sizeof(float);
+  r.list = Lists<Op>;
+  r.convex = requires { Op::kConvex; };
+  if constexpr (requires(Op op, Data data) { op.prepare(data); }) {
+    r.prepare = [](float* constants, Data data) {
+      Op op = load_op<Op>(constants);
+      op.prepare(data);
+      std::memcpy(constants, &op, sizeof op);
+    };
+  }
+  r.bounds = [](const float* c, Data data, const Box& a, const Box& b, double level) -> Box {
+    const Op op = load_op<Op>(c);
+    if constexpr (requires { op.bounds(data, level); }) {
+      return op.bounds(data, level);
+    } else if constexpr (Leaf<Op>) {
+      return leaf_bounds(op, data, level);
+    } else if constexpr (Combination<Op>) {
+      return op.bounds(a, b);
+    } else if constexpr (requires { op.bounds(a, level); }) {
+      return op.bounds(a, level);
+    } else {
+      return op.bounds(a);
+    }
+  };
+  r.child_level = [](const float* c, double level) {
+    if constexpr (requires(Op op) { op.child_level(level); }) {
+      return load_op<Op>(c).child_level(level);
+    } else {
+      return level;
+    }
+  };
+  return r;
+}
+
+std::vector<RegisteredOp> make_registry() {
+  std::vector<RegisteredOp> all(std::tuple_size_v<Families> * kFamilySize);
+  each_op([&]<class Op>(int number) { all[number] = registered<Op>(); });
+  return all;
+}
+
+}  // namespace
+
+std::span<const RegisteredOp> registry() {
+  static const std::vector<RegisteredOp> all = make_registry();
+  return all;
+}
+
+std::span<const OpEntry> op_list() {
+  static const std::vector<OpEntry> listed = [] {
+    std::vector<OpEntry> found;
+    for (const RegisteredOp& op : registry()) {
+      if (op.entry.info != nullptr && op.entry.info->listed) found.push_back(op.entry);
+    }
+    // Leaves first: that is how one reads a list of shapes.
+    std::stable_partition(found.begin(), found.end(),
+                          [](const OpEntry& e) { return e.info->role == OpRole::leaf; });
+    return found;
+  }();
+  return listed;
+}
+
+const OpEntry* find_op(std::string_view name) {
+  const auto all = op_list();
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const OpEntry& e) { return name == e.info->name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+int op_number(std::string_view name) {
+  const auto all = registry();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const RegisteredOp& op) {
+    return op.entry.info != nullptr && name == op.entry.info->name;
+  });
+  return found == all.end() ? -1 : static_cast<int>(found - all.begin());
+}
+
+}  // namespace sdfgrid

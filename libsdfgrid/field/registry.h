@@ -1,0 +1,26 @@
+// field/registry.h: all ops at run time, by number: what make_field and bounds need of them (internal to
+// field/).
+#pragma once
+
+#include "sdfgrid/field/field.h"
+#include "sdfgrid/field/ops.h"
+
+namespace sdfgrid {
+
+struct RegisteredOp {
+  OpEntry entry;
+  std::uint32_t floats = 0;  // of the op's struct
+  bool list = false;         // has a list of numbers beside it
+  bool convex = false;       // combination and range: no steeper than the steepest operand
+  // Derives what the struct holds beside its parameters; throws Error{input}.
+  void (*prepare)(float* constants, ops::Data data) = nullptr;
+  // Where the result is below a level, see combinations.h. Of a leaf `a` and `b` are not used.
+  Box (*bounds)(const float* constants, ops::Data data, const Box& a, const Box& b,
+                double level) = nullptr;
+  double (*child_level)(const float* constants, double level) = nullptr;
+};
+
+// By op number; places that no op has are empty (entry.info is null).
+std::span<const RegisteredOp> registry();
+
+}  // namespace sdfgrid
