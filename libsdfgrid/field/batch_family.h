@@ -1,7 +1,7 @@
 // field/batch_family.h: makes the batch functions of a family of ops from their templates, for the
-// *_kernel.cpp files of field/ only (not installed). Each op is a function of its own over memory, so
-// that what it computes does not depend on the program around it: a pruned program gives the same
-// bits.
+// *_kernel.cpp files of field/ only (not installed). Each op is a function of its own over memory,
+// so that what it computes does not depend on the program around it: a pruned program gives the
+// same bits.
 #pragma once
 
 #include "sdfgrid/field/lanes.h"

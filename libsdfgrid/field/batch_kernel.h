@@ -1,5 +1,5 @@
-// field/batch_kernel.h: the batch reading of a program, between ordinary code and the kernels, which are
-// compiled once for each instruction set. Plain data only (not installed).
+// field/batch_kernel.h: the batch reading of a program, between ordinary code and the kernels,
+// which are compiled once for each instruction set. Plain data only (not installed).
 #pragma once
 
 #include "sdfgrid/core/kernel.h"

@@ -16,20 +16,24 @@ enum class Keep { both, first, second };
 // The boxes of two solids, as far as combinations need them; an axis without end is infinite.
 inline Box both_boxes(const Box& a, const Box& b) {
   if (a.empty() || b.empty()) return a.empty() ? b : a;
-  return {glm::dvec3(std::fmin(a.lo.x, b.lo.x), std::fmin(a.lo.y, b.lo.y), std::fmin(a.lo.z, b.lo.z)),
-          glm::dvec3(std::fmax(a.hi.x, b.hi.x), std::fmax(a.hi.y, b.hi.y), std::fmax(a.hi.z, b.hi.z))};
+  return {
+      glm::dvec3(std::fmin(a.lo.x, b.lo.x), std::fmin(a.lo.y, b.lo.y), std::fmin(a.lo.z, b.lo.z)),
+      glm::dvec3(std::fmax(a.hi.x, b.hi.x), std::fmax(a.hi.y, b.hi.y), std::fmax(a.hi.z, b.hi.z))};
 }
 inline Box common_box(const Box& a, const Box& b) {
-  const Box r{glm::dvec3(std::fmax(a.lo.x, b.lo.x), std::fmax(a.lo.y, b.lo.y), std::fmax(a.lo.z, b.lo.z)),
-              glm::dvec3(std::fmin(a.hi.x, b.hi.x), std::fmin(a.hi.y, b.hi.y), std::fmin(a.hi.z, b.hi.z))};
+  const Box r{
+      glm::dvec3(std::fmax(a.lo.x, b.lo.x), std::fmax(a.lo.y, b.lo.y), std::fmax(a.lo.z, b.lo.z)),
+      glm::dvec3(std::fmin(a.hi.x, b.hi.x), std::fmin(a.hi.y, b.hi.y), std::fmin(a.hi.z, b.hi.z))};
   return r.empty() ? Box{} : r;
 }
 
 struct Union {
-  static constexpr OpInfo info = {
-      "union", OpRole::combination, OpGuarantee::exact,
-      "All that is in any of the nodes. Exact outside, a bound inside.",
-      "union: [{sphere: {radius: 1}}, {box: {size: [3, 1, 0.6]}}]", ""};
+  static constexpr OpInfo info = {"union",
+                                  OpRole::combination,
+                                  OpGuarantee::exact,
+                                  "All that is in any of the nodes. Exact outside, a bound inside.",
+                                  "union: [{sphere: {radius: 1}}, {box: {size: [3, 1, 0.6]}}]",
+                                  ""};
   static constexpr bool kConvex = true;
 
   template <class T>
@@ -45,9 +49,12 @@ struct Union {
 
 struct Intersection {
   static constexpr OpInfo info = {
-      "intersection", OpRole::combination, OpGuarantee::bound,
+      "intersection",
+      OpRole::combination,
+      OpGuarantee::bound,
       "What is in all of the nodes. Exact inside, a bound outside.",
-      "intersection: [{sphere: {radius: 1}}, {box: {size: [1.7, 1.2, 3]}}]", ""};
+      "intersection: [{sphere: {radius: 1}}, {box: {size: [1.7, 1.2, 3]}}]",
+      ""};
   static constexpr bool kConvex = true;
 
   template <class T>
@@ -63,9 +70,12 @@ struct Intersection {
 
 struct Difference {
   static constexpr OpInfo info = {
-      "difference", OpRole::combination, OpGuarantee::bound,
+      "difference",
+      OpRole::combination,
+      OpGuarantee::bound,
       "The first node without all the others.",
-      "difference: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: 1}}]", ""};
+      "difference: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: 1}}]",
+      ""};
   static constexpr bool kConvex = true;
 
   template <class T>
@@ -89,7 +99,9 @@ inline T smooth_min(const T& a, const T& b, float k) {
 
 struct SmoothUnion {
   static constexpr OpInfo info = {
-      "smooth_union", OpRole::combination, OpGuarantee::bound,
+      "smooth_union",
+      OpRole::combination,
+      OpGuarantee::bound,
       "A union with a fillet wherever two nodes' distances differ by less than k.",
       "smooth_union: {k: 0.5, of: [{box: {size: [2, 2, 0.4]}}, {sphere: {radius: 0.7}}]}",
       "quadratic polynomial smooth minimum"};
@@ -112,7 +124,9 @@ struct SmoothUnion {
 
 struct SmoothIntersection {
   static constexpr OpInfo info = {
-      "smooth_intersection", OpRole::combination, OpGuarantee::bound,
+      "smooth_intersection",
+      OpRole::combination,
+      OpGuarantee::bound,
       "An intersection with its edges rounded where the distances differ by less than k.",
       "smooth_intersection: {k: 0.3, of: [{box: {size: [1.7, 1.7, 1.7]}}, {sphere: {radius: 1}}]}",
       "quadratic polynomial smooth maximum"};
@@ -133,7 +147,9 @@ struct SmoothIntersection {
 
 struct SmoothDifference {
   static constexpr OpInfo info = {
-      "smooth_difference", OpRole::combination, OpGuarantee::bound,
+      "smooth_difference",
+      OpRole::combination,
+      OpGuarantee::bound,
       "The first node without the others, the new edges rounded.",
       "smooth_difference: {k: 0.3, of: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: 1}}]}",
       "quadratic polynomial smooth maximum"};

@@ -1,8 +1,7 @@
 // The batch functions of combinations.h.
-#include "sdfgrid/field/combinations.h"
-
 #include "sdfgrid/field/batch_family.h"
 #include "sdfgrid/field/batch_kernel.h"
+#include "sdfgrid/field/combinations.h"
 
 namespace sdfgrid::SDFGRID_ISA {
 

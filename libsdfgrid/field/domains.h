@@ -1,6 +1,6 @@
-// field/domains.h: ops that move or stretch the space of one node without need of a region (internal
-// to field/). `bounds` maps the node's box forward; `stretch` bounds the length to which the map
-// that `inside` is can stretch a unit vector over a box.
+// field/domains.h: ops that move or stretch the space of one node without need of a region
+// (internal to field/). `bounds` maps the node's box forward; `stretch` bounds the length to which
+// the map that `inside` is can stretch a unit vector over a box.
 #pragma once
 
 #include <algorithm>
@@ -13,9 +13,12 @@
 namespace sdfgrid::ops {
 
 struct Translate {
-  static constexpr OpInfo info = {"translate", OpRole::domain, OpGuarantee::exact,
+  static constexpr OpInfo info = {"translate",
+                                  OpRole::domain,
+                                  OpGuarantee::exact,
                                   "Moves a node.",
-                                  "translate: {by: [0.5, 0, 0], of: {sphere: {radius: 0.5}}}", ""};
+                                  "translate: {by: [0.5, 0, 0], of: {sphere: {radius: 0.5}}}",
+                                  ""};
   static constexpr Parameter parameters[] = {position("by", 0, 0, 0, "how far")};
   float by[3];
 
@@ -47,10 +50,12 @@ inline Box mapped_box(const Box& a, const double rows[9]) {
 }
 
 struct Rotate {
-  static constexpr OpInfo info = {
-      "rotate", OpRole::domain, OpGuarantee::exact,
-      "Turns a node about x, then y, then z, through the origin.",
-      "rotate: {by: [0, 30, 45], of: {box: {size: [1.8, 1, 0.6]}}}", ""};
+  static constexpr OpInfo info = {"rotate",
+                                  OpRole::domain,
+                                  OpGuarantee::exact,
+                                  "Turns a node about x, then y, then z, through the origin.",
+                                  "rotate: {by: [0, 30, 45], of: {box: {size: [1.8, 1, 0.6]}}}",
+                                  ""};
   static constexpr Parameter parameters[] = {
       vector("by", 0, 0, 0, -36000, 36000, "angles about x, y and z, in that order", "degrees")};
   float by[3];
@@ -67,9 +72,15 @@ struct Rotate {
       c[i] = exact ? std::round(std::cos(a)) : std::cos(a);
       s[i] = exact ? std::round(std::sin(a)) : std::sin(a);
     }
-    const double rows[9] = {c[1] * c[2], s[0] * s[1] * c[2] - c[0] * s[2], c[0] * s[1] * c[2] + s[0] * s[2],
-                            c[1] * s[2], s[0] * s[1] * s[2] + c[0] * c[2], c[0] * s[1] * s[2] - s[0] * c[2],
-                            -s[1],       s[0] * c[1],                      c[0] * c[1]};
+    const double rows[9] = {c[1] * c[2],
+                            s[0] * s[1] * c[2] - c[0] * s[2],
+                            c[0] * s[1] * c[2] + s[0] * s[2],
+                            c[1] * s[2],
+                            s[0] * s[1] * s[2] + c[0] * c[2],
+                            c[0] * s[1] * s[2] - s[0] * c[2],
+                            -s[1],
+                            s[0] * c[1],
+                            c[0] * c[1]};
     std::transform(rows, rows + 9, m, [](double v) { return static_cast<float>(v); });
   }
   template <class T>
@@ -87,7 +98,9 @@ struct Rotate {
 
 struct Scale {
   static constexpr OpInfo info = {
-      "scale", OpRole::domain, OpGuarantee::bound,
+      "scale",
+      OpRole::domain,
+      OpGuarantee::bound,
       "Scales a node about the origin; exact where all three factors are equal.",
       "scale: {by: [1, 0.5, 0.75], of: {sphere: {radius: 1}}}",
       "f(p / a) times the smallest a; Diener 2.6.6 as printed overshoots"};

@@ -1,8 +1,7 @@
 // The batch functions of domains.h.
-#include "sdfgrid/field/domains.h"
-
 #include "sdfgrid/field/batch_family.h"
 #include "sdfgrid/field/batch_kernel.h"
+#include "sdfgrid/field/domains.h"
 
 namespace sdfgrid::SDFGRID_ISA {
 

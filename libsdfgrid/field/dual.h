@@ -1,7 +1,7 @@
-// field/dual.h: a value with its N partial derivatives, over any number type: derivatives of an op's
-// formula without a second formula (internal to field/). Dual<Dual<T, 3>, 3> has second derivatives;
-// Dual<Interval, N> bounds the derivatives over a box. Where a function has a kink, T = Interval
-// gives the hull of the slopes on both sides, other types the slope on one side.
+// field/dual.h: a value with its N partial derivatives, over any number type: derivatives of an
+// op's formula without a second formula (internal to field/). Dual<Dual<T, 3>, 3> has second
+// derivatives; Dual<Interval, N> bounds the derivatives over a box. Where a function has a kink, T
+// = Interval gives the hull of the slopes on both sides, other types the slope on one side.
 #pragma once
 
 #include <array>
@@ -26,15 +26,8 @@ struct Dual {
 
   Dual() = default;
   template <class C>
-    requires std::is_arithmetic_v<C>
-  Dual(C constant) : v(constant) {
-    d.fill(T(0.0F));
-  }
-  explicit Dual(const T& value)
-    requires(!std::is_arithmetic_v<T>)
-      : v(value) {
-    d.fill(T(0.0F));
-  }
+  requires std::is_arithmetic_v<C> Dual(C constant) : v(constant) { d.fill(T(0.0F)); }
+  explicit Dual(const T& value) requires(!std::is_arithmetic_v<T>) : v(value) { d.fill(T(0.0F)); }
   // The i-th of the N variables.
   static Dual variable(const T& value, int i) {
     Dual r;
@@ -106,7 +99,7 @@ struct Dual {
   friend Dual sign(const Dual& a) { return Dual(sign(a.v)); }
   // The exponent is a constant.
   template <class C>
-    requires std::is_arithmetic_v<C>
+  requires std::is_arithmetic_v<C>
   friend Dual pow(const Dual& a, C b) {
     return chain(a, pow(a.v, T(b)), pow(a.v, T(b - 1)) * T(b));
   }
@@ -132,7 +125,8 @@ struct Dual {
 
 template <class M, class T, int N>
 inline Dual<T, N> select(M m, const Dual<T, N>& yes, const Dual<T, N>& no) {
-  return Dual<T, N>::make(select(m, yes.v, no.v), [&](int i) { return select(m, yes.d[i], no.d[i]); });
+  return Dual<T, N>::make(select(m, yes.v, no.v),
+                          [&](int i) { return select(m, yes.d[i], no.d[i]); });
 }
 
 }  // namespace sdfgrid::ops

@@ -24,8 +24,8 @@ float* scratch(std::size_t floats) {
   if (block.size < floats) {
     block.release();
     block = {};
-    block.memory = static_cast<float*>(
-        ::operator new[](floats * sizeof(float), std::align_val_t{64}));
+    block.memory =
+        static_cast<float*>(::operator new[](floats * sizeof(float), std::align_val_t{64}));
     block.size = floats;
   }
   return block.memory;

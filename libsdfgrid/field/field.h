@@ -1,5 +1,5 @@
-// field/field.h: an analytic distance field: a flat program of ops (spheres, unions, twists, ...), made
-// by name from the list of ops, and its readings.
+// field/field.h: an analytic distance field: a flat program of ops (spheres, unions, twists, ...),
+// made by name from the list of ops, and its readings.
 //
 // A field is negative inside and never larger than the distance to the surface, anywhere: its
 // gradient is at most 1 by construction. Lengths are in world units, coordinates single precision.

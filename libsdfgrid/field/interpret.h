@@ -60,10 +60,11 @@ inline Data data_of(const Program& program, const Instruction& at) {
   return {program.constants.data() + at.data, static_cast<int>(at.count)};
 }
 
-// Runs a program at p. `leaf(instruction, point)` is asked for each leaf's value, samplers included.
+// Runs a program at p. `leaf(instruction, point)` is asked for each leaf's value, samplers
+// included.
 template <class T, class LeafValue>
-T interpret(const Program& program, const std::vector<OpFunctions<T>>& functions,
-            const Point<T>& p, const LeafValue& leaf) {
+T interpret(const Program& program, const std::vector<OpFunctions<T>>& functions, const Point<T>& p,
+            const LeafValue& leaf) {
   T values[kMaxValues];
   Point<T> points[kMaxPoints + 1];
   points[0] = p;

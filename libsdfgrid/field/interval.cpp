@@ -17,7 +17,8 @@ Interval trigonometric_slack(double lo, double hi, const Interval& argument) {
 }  // namespace
 
 Interval cos(const Interval& a) {
-  if (!(a.hi - a.lo < 2 * kPi) || magnitude(a) > 1e6) return {-1 - kFunctionSlack, 1 + kFunctionSlack};
+  if (!(a.hi - a.lo < 2 * kPi) || magnitude(a) > 1e6)
+    return {-1 - kFunctionSlack, 1 + kFunctionSlack};
   // Multiples of pi within [lo, hi]: even ones are maxima, odd ones minima.
   const double first = std::ceil(a.lo / kPi);
   const double last = std::floor(a.hi / kPi);

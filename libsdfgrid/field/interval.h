@@ -103,9 +103,7 @@ inline Interval abs(const Interval& a) {
   if (a.hi <= 0) return -a;
   return {0, magnitude(a)};
 }
-inline Interval sign(const Interval& a) {
-  return {a.lo < 0 ? -1.0 : 1.0, a.hi < 0 ? -1.0 : 1.0};
-}
+inline Interval sign(const Interval& a) { return {a.lo < 0 ? -1.0 : 1.0, a.hi < 0 ? -1.0 : 1.0}; }
 inline Interval square(const Interval& a) {
   const Interval m = abs(a);
   return widened(m.lo * m.lo, m.hi * m.hi);

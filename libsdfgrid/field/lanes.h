@@ -1,5 +1,6 @@
-// field/lanes.h: sixteen floats as a number type of the ops, for the *_kernel.cpp files of field/ only
-// (not installed). A struct, unlike F16 of core/simd.h, so that ops find its functions by argument.
+// field/lanes.h: sixteen floats as a number type of the ops, for the *_kernel.cpp files of field/
+// only (not installed). A struct, unlike F16 of core/simd.h, so that ops find its functions by
+// argument.
 #pragma once
 
 #include "sdfgrid/core/simd.h"

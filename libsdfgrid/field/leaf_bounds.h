@@ -1,5 +1,5 @@
-// field/leaf_bounds.h: the box of a leaf, found from its formula by interval arithmetic over half-spaces
-// (internal to field/).
+// field/leaf_bounds.h: the box of a leaf, found from its formula by interval arithmetic over
+// half-spaces (internal to field/).
 #pragma once
 
 #include "sdfgrid/core/lattice.h"
@@ -44,8 +44,7 @@ Box leaf_bounds(const Op& op, Data data, double level) {
     return leaf_value(op, Point<Interval>{c[0], c[1], c[2]}, data).lo > level;
   };
   for (int axis = 0; axis < 3; ++axis) {
-    box.hi[axis] =
-        first_excluded([&](double c) { return excluded(axis, Interval(c, kInfinity)); });
+    box.hi[axis] = first_excluded([&](double c) { return excluded(axis, Interval(c, kInfinity)); });
     box.lo[axis] =
         -first_excluded([&](double c) { return excluded(axis, Interval(-kInfinity, -c)); });
     if (box.lo[axis] > box.hi[axis]) return {};

@@ -9,7 +9,7 @@
 namespace sdfgrid::ops {
 
 struct Sphere {
-  static constexpr OpInfo info = {"sphere", OpRole::leaf, OpGuarantee::exact,
+  static constexpr OpInfo info = {"sphere",  OpRole::leaf,          OpGuarantee::exact,
                                   "A ball.", "sphere: {radius: 1}", ""};
   static constexpr Parameter parameters[] = {size("radius", 1, "radius")};
   float radius;
@@ -21,9 +21,12 @@ struct Sphere {
 };
 
 struct Box3 {
-  static constexpr OpInfo info = {"box", OpRole::leaf, OpGuarantee::exact,
+  static constexpr OpInfo info = {"box",
+                                  OpRole::leaf,
+                                  OpGuarantee::exact,
                                   "A box with its faces across the axes.",
-                                  "box: {size: [2, 1.4, 1]}", ""};
+                                  "box: {size: [2, 1.4, 1]}",
+                                  ""};
   static constexpr Parameter parameters[] = {sizes("size", 1, "edge along x, y and z")};
   float edge[3];
 
@@ -36,9 +39,12 @@ struct Box3 {
 
 struct Plane {
   static constexpr OpInfo info = {
-      "plane", OpRole::leaf, OpGuarantee::exact,
+      "plane",
+      OpRole::leaf,
+      OpGuarantee::exact,
       "The half-space behind a plane: all points p with normal . p <= distance.",
-      "plane: {normal: [0, 0, 1], distance: 0}", ""};
+      "plane: {normal: [0, 0, 1], distance: 0}",
+      ""};
   static constexpr Parameter parameters[] = {
       vector("normal", 0, 0, 1, -kAny, kAny, "points out of the solid; any length but 0", ""),
       length_of("distance", 0, "of the plane from the origin along the normal")};
@@ -56,8 +62,12 @@ struct Plane {
 };
 
 struct Torus {
-  static constexpr OpInfo info = {"torus", OpRole::leaf, OpGuarantee::exact,
-                                  "A ring around the z axis.", "torus: {major: 1, minor: 0.3}", ""};
+  static constexpr OpInfo info = {"torus",
+                                  OpRole::leaf,
+                                  OpGuarantee::exact,
+                                  "A ring around the z axis.",
+                                  "torus: {major: 1, minor: 0.3}",
+                                  ""};
   static constexpr Parameter parameters[] = {
       size("major", 1, "radius of the circle that is the ring's core"),
       size("minor", 0.25, "radius of the ring itself")};
@@ -70,9 +80,12 @@ struct Torus {
 };
 
 struct Cylinder {
-  static constexpr OpInfo info = {"cylinder", OpRole::leaf, OpGuarantee::exact,
+  static constexpr OpInfo info = {"cylinder",
+                                  OpRole::leaf,
+                                  OpGuarantee::exact,
                                   "A cylinder along z with flat ends.",
-                                  "cylinder: {radius: 0.8, height: 1.6}", ""};
+                                  "cylinder: {radius: 0.8, height: 1.6}",
+                                  ""};
   static constexpr Parameter parameters[] = {size("radius", 1, "radius"),
                                              size("height", 2, "from end to end")};
   float radius, height;
@@ -84,9 +97,12 @@ struct Cylinder {
 };
 
 struct InfiniteCylinder {
-  static constexpr OpInfo info = {"infinite_cylinder", OpRole::leaf, OpGuarantee::exact,
+  static constexpr OpInfo info = {"infinite_cylinder",
+                                  OpRole::leaf,
+                                  OpGuarantee::exact,
                                   "A cylinder along z without ends.",
-                                  "infinite_cylinder: {radius: 0.5}", ""};
+                                  "infinite_cylinder: {radius: 0.5}",
+                                  ""};
   static constexpr Parameter parameters[] = {size("radius", 1, "radius")};
   float radius;
 
@@ -100,7 +116,9 @@ struct InfiniteCylinder {
 // (0, height / 2): the nearest point is on the base or on that line's segment.
 struct Cone {
   static constexpr OpInfo info = {
-      "cone", OpRole::leaf, OpGuarantee::exact,
+      "cone",
+      OpRole::leaf,
+      OpGuarantee::exact,
       "A cone along z: base of the given radius at -height / 2, apex at +height / 2.",
       "cone: {radius: 0.9, height: 1.8}",
       "exact, where Diener (4.4) has a bound and leaves open which nappe is kept"};
@@ -124,9 +142,12 @@ struct Cone {
 
 struct InfiniteCone {
   static constexpr OpInfo info = {
-      "infinite_cone", OpRole::leaf, OpGuarantee::exact,
+      "infinite_cone",
+      OpRole::leaf,
+      OpGuarantee::exact,
       "A cone with its apex at the origin that opens downwards along z without end.",
-      "infinite_cone: {angle: 30}", ""};
+      "infinite_cone: {angle: 30}",
+      ""};
   static constexpr Parameter parameters[] = {
       number("angle", 30, 0.1, 89.9, "between the axis and the side", "degrees")};
   float angle;
@@ -145,7 +166,9 @@ struct InfiniteCone {
 };
 
 struct Capsule {
-  static constexpr OpInfo info = {"capsule", OpRole::leaf, OpGuarantee::exact,
+  static constexpr OpInfo info = {"capsule",
+                                  OpRole::leaf,
+                                  OpGuarantee::exact,
                                   "All points near a segment: a cylinder with round ends.",
                                   "capsule: {from: [-0.7, 0, 0], to: [0.7, 0, 0.4], radius: 0.4}",
                                   ""};
@@ -154,8 +177,8 @@ struct Capsule {
                                              size("radius", 0.5, "radius")};
   float from[3], to[3];
   float radius;
-  float axis[3];       // to - from
-  float inverse;       // 1 / |axis|^2, or 0 for a ball
+  float axis[3];  // to - from
+  float inverse;  // 1 / |axis|^2, or 0 for a ball
 
   void prepare(Data) {
     float squared = 0;
@@ -174,9 +197,12 @@ struct Capsule {
 };
 
 struct Lozenge {
-  static constexpr OpInfo info = {"lozenge", OpRole::leaf, OpGuarantee::exact,
+  static constexpr OpInfo info = {"lozenge",
+                                  OpRole::leaf,
+                                  OpGuarantee::exact,
                                   "All points near a rectangle that lies across z.",
-                                  "lozenge: {size: [1.6, 1], radius: 0.2}", ""};
+                                  "lozenge: {width: 1.6, depth: 1, radius: 0.2}",
+                                  ""};
   static constexpr Parameter parameters[] = {
       size("width", 2, "of the rectangle along x"), size("depth", 1, "of the rectangle along y"),
       size("radius", 0.25, "distance of the surface from the rectangle")};

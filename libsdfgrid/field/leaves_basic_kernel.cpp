@@ -1,8 +1,7 @@
 // The batch functions of leaves_basic.h.
-#include "sdfgrid/field/leaves_basic.h"
-
 #include "sdfgrid/field/batch_family.h"
 #include "sdfgrid/field/batch_kernel.h"
+#include "sdfgrid/field/leaves_basic.h"
 
 namespace sdfgrid::SDFGRID_ISA {
 

@@ -61,8 +61,8 @@ std::vector<float> numbers_of(const OpInfo& op, const Parameter& parameter,
     throw refused(op, fmt::format("`{}` has {} numbers; give {}", parameter.name, v.size(), width));
   }
   if (parameter.kind == ParameterKind::points && v.size() % 3 != 0) {
-    throw refused(op, fmt::format("`{}` is a list of triples, but has {} numbers", parameter.name,
-                                  v.size()));
+    throw refused(
+        op, fmt::format("`{}` is a list of triples, but has {} numbers", parameter.name, v.size()));
   }
   for (const double number : v) check_number(op, parameter, number);
   return {v.begin(), v.end()};
@@ -89,8 +89,8 @@ Instruction add_op(Program& program, int number, const std::vector<Argument>& ar
   for (const Parameter& parameter : op.entry.parameters) {
     const auto named = [&](const Argument& a) { return a.name == parameter.name; };
     const auto found = std::find_if(arguments.begin(), arguments.end(), named);
-    const auto numbers = numbers_of(*op.entry.info, parameter,
-                                    found == arguments.end() ? nullptr : &*found);
+    const auto numbers =
+        numbers_of(*op.entry.info, parameter, found == arguments.end() ? nullptr : &*found);
     auto& to = width_of(parameter.kind) > 0 ? fixed : list;
     to.insert(to.end(), numbers.begin(), numbers.end());
   }
@@ -172,9 +172,7 @@ Field make_field(std::string_view name, const std::vector<Argument>& arguments,
     return finished(std::move(program));
   }
   Instruction at = add_op(program, number, arguments);
-  at.step = role == OpRole::leaf     ? Step::leaf
-            : role == OpRole::range  ? Step::range
-                                     : Step::enter;
+  at.step = role == OpRole::leaf ? Step::leaf : role == OpRole::range ? Step::range : Step::enter;
   if (role == OpRole::leaf || role == OpRole::domain) program.code.push_back(at);
   if (role != OpRole::leaf) {
     append(program, of.size() == 1 ? of[0].program() : make_field("union", {}, of).program());

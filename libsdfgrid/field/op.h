@@ -1,6 +1,6 @@
-// field/op.h: what is said of an op: its word in scene files, parameters with ranges and units, text,
-// example, source. It stands inside the op's own struct, beside the formula; help, scene words,
-// docs/shapes.md and the property tests are made from it.
+// field/op.h: what is said of an op: its word in scene files, parameters with ranges and units,
+// text, example, source. It stands inside the op's own struct, beside the formula; help, scene
+// words, docs/shapes.md and the property tests are made from it.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// field/op_list.h: all ops, by family (internal to field/). A new op is added to the list at the end of
-// its family's header; everything else follows from here.
+// field/op_list.h: all ops, by family (internal to field/). A new op is added to the list at the
+// end of its family's header; everything else follows from here.
 #pragma once
 
 #include <tuple>

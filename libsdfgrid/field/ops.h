@@ -7,8 +7,8 @@
 //   range        T value(T d, Point<T>)
 //   domain       Point<T> inside(Point<T>), and T value(T d, Point<T> outside) if the value changes
 // each a template over the number type, with one more argument (data, count) if the op has a list.
-// For ordinary code only, never for kernels: void prepare(Data), and Box bounds(children...): where the
-// value is below a level, given where the children are below child_level(level).
+// For ordinary code only, never for kernels: void prepare(Data), and Box bounds(children...): where
+// the value is below a level, given where the children are below child_level(level).
 #pragma once
 
 #include "sdfgrid/field/number.h"
@@ -28,7 +28,9 @@ struct Data {
 };
 
 template <class Op>
-concept Lists = requires { Op::kList; };
+concept Lists = requires {
+  Op::kList;
+};
 template <class Op>
 concept Leaf = Op::info.role == OpRole::leaf;
 template <class Op>
@@ -38,7 +40,9 @@ concept Range = Op::info.role == OpRole::range;
 template <class Op>
 concept Domain = Op::info.role == OpRole::domain;
 template <class Op>
-concept Leaves = Domain<Op> && requires { Op::kLeaves; };  // changes the value when left
+concept Leaves = Domain<Op> && requires {
+  Op::kLeaves;
+};  // changes the value when left
 
 template <class Op, class T>
 inline T leaf_value(const Op& op, const Point<T>& p, Data data) {

@@ -16,7 +16,7 @@ class Sampler;
 enum class Step : std::uint8_t { leaf, sample, combine, range, enter, leave };
 
 struct Instruction {
-  std::uint16_t op;     // family * kFamilySize + place in the family (op_list.h)
+  std::uint16_t op;  // family * kFamilySize + place in the family (op_list.h)
   Step step;
   std::uint32_t constants;  // index of the op's struct in the program's constants
   std::uint32_t data;       // index of its list in the same, and
@@ -26,7 +26,7 @@ struct Instruction {
 };
 
 inline constexpr int kFamilySize = 64;
-inline constexpr int kBatch = 256;     // points a block of the batch reading
+inline constexpr int kBatch = 256;      // points a block of the batch reading
 inline constexpr int kMaxValues = 128;  // depth of the stack of values
 inline constexpr int kMaxPoints = 64;   // of the stack of points
 

@@ -6,7 +6,9 @@
 namespace sdfgrid::ops {
 
 struct Complement {
-  static constexpr OpInfo info = {"complement", OpRole::range, OpGuarantee::exact,
+  static constexpr OpInfo info = {"complement",
+                                  OpRole::range,
+                                  OpGuarantee::exact,
                                   "Everything that is not in the node.",
                                   "intersection: [{box: {size: [2, 2, 1]}}, "
                                   "{complement: {of: {sphere: {radius: 0.8}}}}]",
@@ -17,16 +19,17 @@ struct Complement {
   T value(const T& d, const Point<T>&) const {
     return -d;
   }
-  Box bounds(const Box&) const {
-    return {glm::dvec3(-kInfinity), glm::dvec3(kInfinity)};
-  }
+  Box bounds(const Box&) const { return {glm::dvec3(-kInfinity), glm::dvec3(kInfinity)}; }
 };
 
 struct Offset {
   static constexpr OpInfo info = {
-      "offset", OpRole::range, OpGuarantee::bound,
+      "offset",
+      OpRole::range,
+      OpGuarantee::bound,
       "Grows a node by a length (shrinks it by a negative one): the solid within that distance.",
-      "offset: {by: 0.2, of: {box: {size: [1.4, 1, 0.6]}}}", "Hart 1996; exact for exact convex nodes"};
+      "offset: {by: 0.2, of: {box: {size: [1.4, 1, 0.6]}}}",
+      "Hart 1996; exact for exact convex nodes"};
   static constexpr Parameter parameters[] = {length_of("by", 0.1, "how far outwards")};
   static constexpr bool kConvex = true;
   float by;
@@ -41,9 +44,12 @@ struct Offset {
 
 struct Shell {
   static constexpr OpInfo info = {
-      "shell", OpRole::range, OpGuarantee::bound,
+      "shell",
+      OpRole::range,
+      OpGuarantee::bound,
       "The skin of a node: all points within half the thickness of its surface.",
-      "intersection: [{shell: {thickness: 0.15, of: {sphere: {radius: 1}}}}, {plane: {normal: [1, 0.4, 1]}}]",
+      "intersection: [{shell: {thickness: 0.15, of: {sphere: {radius: 1}}}}, {plane: {normal: [1, "
+      "0.4, 1]}}]",
       ""};
   static constexpr Parameter parameters[] = {size("thickness", 0.1, "of the skin")};
   static constexpr bool kConvex = true;

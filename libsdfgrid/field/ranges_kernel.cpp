@@ -1,8 +1,7 @@
 // The batch functions of ranges.h.
-#include "sdfgrid/field/ranges.h"
-
 #include "sdfgrid/field/batch_family.h"
 #include "sdfgrid/field/batch_kernel.h"
+#include "sdfgrid/field/ranges.h"
 
 namespace sdfgrid::SDFGRID_ISA {
 

@@ -23,7 +23,80 @@ Gradient sampled_gradient(const Sampler& sampler, const Point<Gradient>& p) {
   });
 }
 
+// A value and the mark of the leaf that decides it.
+struct Marked {
+  double value;
+  int tag;
+};
+
+struct MarkedOps {
+  std::vector<OpFunctions<double>> functions = make_functions<double>();
+  std::vector<bool (*)(const float*, double, double)> first;  // combinations: whose surface
+
+  MarkedOps() : first(functions.size()) {
+    each_op([&]<class Op>(int number) {
+      if constexpr (Combination<Op>) {
+        first[number] = [](const float* c, double a, double b) {
+          return load_op<Op>(c).surface_of_first(a, b);
+        };
+      }
+    });
+  }
+};
+
+const MarkedOps& marked_ops() {
+  static const MarkedOps all;
+  return all;
+}
+
+double leaf_value(const Program& program, const Instruction& at, const Point<double>& p) {
+  if (at.step == Step::sample) {
+    return sample_at(*program.samplers[at.sampler], glm::dvec3(p.x, p.y, p.z));
+  }
+  return marked_ops().functions[at.op].leaf(program.constants.data() + at.constants,
+                                            data_of(program, at), p);
+}
+
+// One step of a program that carries marks beside values.
+void marked_step(const Program& program, const Instruction& at, std::vector<Marked>& values,
+                 std::vector<Point<double>>& points) {
+  const OpFunctions<double>& f = marked_ops().functions[at.op];
+  const float* c = program.constants.data() + at.constants;
+  switch (at.step) {
+    case Step::leaf:
+    case Step::sample:
+      values.push_back({leaf_value(program, at, points.back()), at.tag});
+      break;
+    case Step::combine: {
+      const Marked b = values.back();
+      values.pop_back();
+      Marked& a = values.back();
+      if (!marked_ops().first[at.op](c, a.value, b.value)) a.tag = b.tag;
+      a.value = f.combine(c, a.value, b.value, points.back());
+      break;
+    }
+    case Step::range:
+      values.back().value = f.value(c, values.back().value, points.back());
+      break;
+    case Step::enter:
+      points.push_back(f.inside(c, points.back()));
+      break;
+    case Step::leave:
+      points.pop_back();
+      if (f.value) values.back().value = f.value(c, values.back().value, points.back());
+      break;
+  }
+}
+
 }  // namespace
+
+int Field::tag_at(const glm::dvec3& p) const {
+  if (program_->code.empty()) return -1;
+  std::vector<Marked> values;
+  std::vector<Point<double>> points = {{p.x, p.y, p.z}};
+  for (const Instruction& at : program_->code) marked_step(*program_, at, values, points);
+  return values.back().tag;
+}
 
 ValueGradient Field::gradient(const glm::dvec3& p) const {
   if (program_->code.empty()) return {kInfinity, glm::dvec3(0)};

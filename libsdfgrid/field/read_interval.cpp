@@ -67,8 +67,7 @@ Interval leaf_interval(const Program& program, const Instruction& at, const Poin
 }
 
 Point<Interval> intervals(const Box& box) {
-  return {Interval(box.lo.x, box.hi.x), Interval(box.lo.y, box.hi.y),
-          Interval(box.lo.z, box.hi.z)};
+  return {Interval(box.lo.x, box.hi.x), Interval(box.lo.y, box.hi.y), Interval(box.lo.z, box.hi.z)};
 }
 
 // Runs the program over a box and writes what is left of it.

@@ -1,5 +1,5 @@
-// field/registry.h: all ops at run time, by number: what make_field and bounds need of them (internal to
-// field/).
+// field/registry.h: all ops at run time, by number: what make_field and bounds need of them
+// (internal to field/).
 #pragma once
 
 #include "sdfgrid/field/field.h"

@@ -1,7 +1,6 @@
 // Runs a program over one block of points: the two stacks are arrays of blocks.
-#include "sdfgrid/field/batch_kernel.h"
-
 #include "sdfgrid/field/batch_family.h"
+#include "sdfgrid/field/batch_kernel.h"
 
 namespace sdfgrid::SDFGRID_ISA {
 namespace {
@@ -34,7 +33,8 @@ void run(const BatchProgram& program, int n, const float* const p[3], float* out
       step.out = scratch + static_cast<long>(top++) * kBatch;
       family.apply[place](step);
     } else if (at.step == Step::sample) {
-      program.sample(program.samplers[at.sampler], n, step.p, scratch + static_cast<long>(top++) * kBatch);
+      program.sample(program.samplers[at.sampler], n, step.p,
+                     scratch + static_cast<long>(top++) * kBatch);
     } else if (at.step == Step::enter) {
       ++inner;
       for (int a = 0; a < 3; ++a) {

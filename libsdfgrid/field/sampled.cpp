@@ -21,7 +21,8 @@ ValueGradient sample_gradient(const Sampler& sampler, const glm::dvec3& p) {
     glm::dvec3 hi = p;
     lo[a] -= step;
     hi[a] += step;
-    r.gradient[a] = (static_cast<double>(sample_at(sampler, hi)) - sample_at(sampler, lo)) / (2 * step);
+    r.gradient[a] =
+        (static_cast<double>(sample_at(sampler, hi)) - sample_at(sampler, lo)) / (2 * step);
   }
   return r;
 }

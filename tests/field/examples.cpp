@@ -1,0 +1,167 @@
+#include "field/examples.h"
+
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <stdexcept>
+
+using sdfgrid::Argument;
+using sdfgrid::Box;
+using sdfgrid::Field;
+
+namespace {
+
+// A value of flow-style YAML: a scalar, a list or a map in order.
+struct Value {
+  std::string scalar;
+  std::vector<Value> list;
+  std::vector<std::pair<std::string, Value>> map;
+  bool is_list = false;
+};
+
+class Reader {
+ public:
+  explicit Reader(const std::string& text) : text_(text) {}
+
+  // The body of a map without its braces, to the end or a closing one.
+  Value map() {
+    Value v;
+    do {
+      const std::string key = scalar();
+      expect(':');
+      v.map.emplace_back(key, value());
+    } while (take(','));
+    return v;
+  }
+  void end() {
+    skip();
+    if (at_ != text_.size()) throw std::runtime_error("left over: " + text_.substr(at_));
+  }
+
+ private:
+  void skip() {
+    while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_]))) ++at_;
+  }
+  bool take(char c) {
+    skip();
+    if (at_ >= text_.size() || text_[at_] != c) return false;
+    ++at_;
+    return true;
+  }
+  void expect(char c) {
+    if (!take(c)) throw std::runtime_error(std::string("no ") + c + ": " + text_.substr(at_));
+  }
+  std::string scalar() {
+    skip();
+    if (take('"')) {
+      const std::size_t end = text_.find('"', at_);
+      const std::string s = text_.substr(at_, end - at_);
+      at_ = end + 1;
+      return s;
+    }
+    const std::size_t end = text_.find_first_of(":,[]{}", at_);
+    const std::string s = text_.substr(at_, end - at_);
+    at_ = end == std::string::npos ? text_.size() : end;
+    return s;
+  }
+  Value value() {
+    if (take('{')) {
+      if (take('}')) return {};
+      Value v = map();
+      expect('}');
+      return v;
+    }
+    if (!take('[')) {
+      Value v;
+      v.scalar = scalar();
+      return v;
+    }
+    Value v;
+    v.is_list = true;
+    do {
+      v.list.push_back(value());
+    } while (take(','));
+    expect(']');
+    return v;
+  }
+
+  const std::string& text_;
+  std::size_t at_ = 0;
+};
+
+void numbers(const Value& v, std::vector<double>& out) {
+  if (v.is_list) {
+    for (const Value& each : v.list) numbers(each, out);
+  } else {
+    out.push_back(std::stod(v.scalar));
+  }
+}
+
+Field field_of(const std::string& word, const Value& v);
+
+Field node(const Value& v) {
+  if (v.map.size() != 1) throw std::runtime_error("a node is one word");
+  return field_of(v.map[0].first, v.map[0].second);
+}
+
+std::vector<Field> nodes(const Value& v) {
+  std::vector<Field> of;
+  if (!v.is_list) return {node(v)};
+  for (const Value& each : v.list) of.push_back(node(each));
+  return of;
+}
+
+bool is_number(const std::string& s) {
+  char* end = nullptr;
+  std::strtod(s.c_str(), &end);
+  return !s.empty() && *end == 0;
+}
+
+Field field_of(const std::string& word, const Value& v) {
+  if (v.is_list) return sdfgrid::make_field(word, {}, nodes(v));
+  std::vector<Argument> arguments;
+  std::vector<Field> of;
+  for (const auto& [key, each] : v.map) {
+    if (key == "of") {
+      of = nodes(each);
+    } else if (each.is_list || is_number(each.scalar)) {
+      std::vector<double> list;
+      numbers(each, list);
+      arguments.emplace_back(key, list);
+    } else {
+      arguments.emplace_back(key, each.scalar);
+    }
+  }
+  return sdfgrid::make_field(word, arguments, of);
+}
+
+}  // namespace
+
+Field read_example(const std::string& text) {
+  Reader reader(text);
+  const Value v = reader.map();
+  reader.end();
+  return node(v);
+}
+
+const std::vector<Example>& examples() {
+  static const std::vector<Example> all = [] {
+    std::vector<Example> made;
+    for (const sdfgrid::OpEntry& op : sdfgrid::op_list()) {
+      made.push_back({&op, read_example(op.info->example)});
+    }
+    return made;
+  }();
+  return all;
+}
+
+Box example_box(const Field& field) {
+  Box box = field.bounds();
+  for (int a = 0; a < 3; ++a) {
+    box.lo[a] = std::fmax(box.lo[a], -4.0) - 0.7;
+    box.hi[a] = std::fmin(box.hi[a], 4.0) + 0.7;
+  }
+  return box;
+}

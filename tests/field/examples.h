@@ -1,0 +1,20 @@
+// tests/field/examples.h: a field for each op of the list, made from the example in its own text.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sdfgrid/field/field.h"
+
+// Reads a node in YAML flow style, as the examples of ops are: a small reader of its own, so that
+// the tests of field/ need no room below it.
+sdfgrid::Field read_example(const std::string& text);
+
+struct Example {
+  const sdfgrid::OpEntry* op;
+  sdfgrid::Field field;
+};
+
+// The examples of all ops, and where they are worth looking at.
+const std::vector<Example>& examples();
+sdfgrid::Box example_box(const sdfgrid::Field& field);

@@ -1,0 +1,173 @@
+// What holds for every op: tests over the list, so that an op is tested by being in it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "field/examples.h"
+
+namespace {
+
+using sdfgrid::Box;
+using sdfgrid::Field;
+
+struct Points {
+  std::vector<float> x, y, z, value;
+  explicit Points(std::size_t n) : x(n), y(n), z(n), value(n) {}
+  void evaluate(const Field& f) {
+    f.evaluate(x.size(), x.data(), y.data(), z.data(), value.data());
+  }
+  [[nodiscard]] glm::dvec3 at(std::size_t i) const { return {x[i], y[i], z[i]}; }
+};
+
+Points random_points(std::size_t n, const Box& box, std::mt19937& random) {
+  Points p(n);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (std::size_t i = 0; i < n; ++i) {
+    p.x[i] = static_cast<float>(box.lo.x + unit(random) * box.size().x);
+    p.y[i] = static_cast<float>(box.lo.y + unit(random) * box.size().y);
+    p.z[i] = static_cast<float>(box.lo.z + unit(random) * box.size().z);
+  }
+  return p;
+}
+
+double distance(const glm::dvec3& a, const glm::dvec3& b) {
+  const glm::dvec3 d = a - b;
+  return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+}
+
+// What single precision may add to a difference of two values: the ops' intermediate results are
+// no larger than a few times the coordinates.
+constexpr double kRounding = 4e-6;
+
+// Pairs near and far: |f(p) - f(q)| <= |p - q|.
+TEST(EveryOps, IsOneLipschitz) {
+  for (const Example& e : examples()) {
+    if (e.op->info->guarantee == sdfgrid::OpGuarantee::estimate) continue;
+    std::mt19937 random(7);
+    const Box box = example_box(e.field);
+    Points p = random_points(100000, box, random);
+    Points q = random_points(100000, box, random);
+    std::uniform_real_distribution<float> exponent(-7, 0);
+    for (std::size_t i = 0; i < q.x.size(); ++i) {
+      const float t = std::pow(10.0F, exponent(random));
+      q.x[i] = p.x[i] + t * (q.x[i] - p.x[i]);
+      q.y[i] = p.y[i] + t * (q.y[i] - p.y[i]);
+      q.z[i] = p.z[i] + t * (q.z[i] - p.z[i]);
+    }
+    p.evaluate(e.field);
+    q.evaluate(e.field);
+    double worst = 0;
+    for (std::size_t i = 0; i < q.x.size(); ++i) {
+      const double over =
+          std::fabs(static_cast<double>(p.value[i]) - q.value[i]) - distance(p.at(i), q.at(i));
+      worst = std::fmax(worst, over);
+    }
+    EXPECT_LE(worst, kRounding) << e.op->info->name;
+  }
+}
+
+// A value does not depend on the batch, the lane, or whether it is asked alone.
+TEST(EveryOps, GivesTheSameBitsInEveryLane) {
+  for (const Example& e : examples()) {
+    std::mt19937 random(8);
+    const Points p = random_points(600, example_box(e.field), random);
+    Points batch = p;
+    batch.evaluate(e.field);
+    for (std::size_t first = 0; first < 40; ++first) {
+      const std::size_t n = 600 - first * 3;
+      std::vector<float> shifted(n);
+      e.field.evaluate(n, p.x.data() + first, p.y.data() + first, p.z.data() + first,
+                       shifted.data());
+      ASSERT_EQ(std::memcmp(shifted.data(), batch.value.data() + first, n * sizeof(float)), 0)
+          << e.op->info->name << " from " << first;
+    }
+    for (std::size_t i = 0; i < 64; ++i) {
+      const float alone = e.field(glm::vec3(p.x[i], p.y[i], p.z[i]));
+      ASSERT_EQ(std::memcmp(&alone, &batch.value[i], sizeof alone), 0) << e.op->info->name;
+    }
+  }
+}
+
+TEST(EveryOps, IntervalHoldsTheSamples) {
+  for (const Example& e : examples()) {
+    std::mt19937 random(9);
+    const Box whole = example_box(e.field);
+    std::uniform_real_distribution<double> exponent(-3, 0);
+    for (int i = 0; i < 300; ++i) {
+      const Points ends = random_points(2, whole, random);
+      Box box;
+      box.add(ends.at(0));
+      box.add(ends.at(0) + std::pow(10.0, exponent(random)) * (ends.at(1) - ends.at(0)));
+      const sdfgrid::ValueRange range = e.field.range(box);
+      const Field pruned = e.field.pruned(box);
+      Points p = random_points(64, box, random);
+      // Rounded to float they may lie outside by a bit.
+      for (std::size_t k = 0; k < p.x.size(); ++k) {
+        p.x[k] = std::fmin(std::fmax(p.x[k], static_cast<float>(box.lo.x)),
+                           static_cast<float>(box.hi.x));
+        p.y[k] = std::fmin(std::fmax(p.y[k], static_cast<float>(box.lo.y)),
+                           static_cast<float>(box.hi.y));
+        p.z[k] = std::fmin(std::fmax(p.z[k], static_cast<float>(box.lo.z)),
+                           static_cast<float>(box.hi.z));
+      }
+      Points same = p;
+      p.evaluate(e.field);
+      same.evaluate(pruned);
+      ASSERT_EQ(std::memcmp(p.value.data(), same.value.data(), 64 * sizeof(float)), 0)
+          << e.op->info->name << ": a pruned program gives other bits";
+      for (const float v : p.value) {
+        ASSERT_GE(v, range.lo - 1e-6) << e.op->info->name;
+        ASSERT_LE(v, range.hi + 1e-6) << e.op->info->name;
+      }
+    }
+  }
+}
+
+TEST(EveryOps, GradientIsThatOfFiniteDifferences) {
+  for (const Example& e : examples()) {
+    std::mt19937 random(10);
+    const Points p = random_points(400, example_box(e.field), random);
+    const double h = 1e-6;
+    int compared = 0;
+    for (std::size_t i = 0; i < p.x.size(); ++i) {
+      const sdfgrid::ValueGradient here = e.field.gradient(p.at(i));
+      ASSERT_NEAR(here.value, e.field(glm::vec3(p.x[i], p.y[i], p.z[i])), 1e-5) << e.op->info->name;
+      for (int a = 0; a < 3; ++a) {
+        glm::dvec3 lo = p.at(i);
+        glm::dvec3 hi = lo;
+        lo[a] -= h;
+        hi[a] += h;
+        const sdfgrid::ValueGradient below = e.field.gradient(lo);
+        const sdfgrid::ValueGradient above = e.field.gradient(hi);
+        // A kink between the two: the slopes of both sides differ.
+        if (std::fabs(above.gradient[a] - below.gradient[a]) > 1e-3) continue;
+        ASSERT_NEAR((above.value - below.value) / (2 * h), here.gradient[a], 2e-3)
+            << e.op->info->name << " axis " << a;
+        ++compared;
+      }
+    }
+    EXPECT_GT(compared, 900) << e.op->info->name;
+  }
+}
+
+TEST(EveryOps, BoundsHoldTheInside) {
+  for (const Example& e : examples()) {
+    std::mt19937 random(11);
+    Points p = random_points(20000, example_box(e.field), random);
+    p.evaluate(e.field);
+    for (const double level : {-0.05, 0.0, 0.1}) {
+      const Box box = e.field.bounds(level);
+      for (std::size_t i = 0; i < p.x.size(); ++i) {
+        if (p.value[i] >= level) continue;
+        for (int a = 0; a < 3; ++a) {
+          ASSERT_GE(p.at(i)[a], box.lo[a] - 1e-5) << e.op->info->name << " level " << level;
+          ASSERT_LE(p.at(i)[a], box.hi[a] + 1e-5) << e.op->info->name << " level " << level;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
