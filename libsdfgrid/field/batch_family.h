@@ -4,7 +4,7 @@
 // same bits.
 #pragma once
 
-#include "sdfgrid/field/lanes.h"
+#include "sdfgrid/field/lanes_functions.h"
 #include "sdfgrid/field/ops.h"
 #include "sdfgrid/field/program.h"
 

@@ -25,7 +25,7 @@ struct FieldKernel {
 const FieldKernel& field_kernel();
 
 // The families in the order of ops::Families.
-SDFGRID_DECLARE_ISAS(extern const FieldKernel kFieldKernel;
-                     extern const BatchFamily kCombinations, kRanges, kDomains, kBasicLeaves)
+SDFGRID_DECLARE_ISAS(extern const FieldKernel kFieldKernel; extern const BatchFamily kCombinations,
+                                                            kRanges, kDomains, kWarps, kBasicLeaves)
 
 }  // namespace sdfgrid

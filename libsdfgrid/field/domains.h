@@ -9,6 +9,7 @@
 #include "sdfgrid/field/interval.h"
 #include "sdfgrid/field/ops.h"
 #include "sdfgrid/field/parameters.h"
+#include "sdfgrid/field/region.h"
 
 namespace sdfgrid::ops {
 
@@ -133,6 +134,6 @@ struct Scale {
   }
 };
 
-using Domains = OpList<Translate, Rotate, Scale>;
+using Domains = OpList<Translate, Rotate, Scale, Region>;
 
 }  // namespace sdfgrid::ops

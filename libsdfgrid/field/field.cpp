@@ -6,6 +6,7 @@
 
 #include "sdfgrid/field/batch_kernel.h"
 #include "sdfgrid/field/program_data.h"
+#include "sdfgrid/field/slope.h"
 
 namespace sdfgrid {
 namespace {
@@ -84,6 +85,8 @@ float Field::operator()(const glm::vec3& p) const {
   evaluate(1, &p.x, &p.y, &p.z, &out);
   return out;
 }
+
+double Field::slope(const Box& box) const { return std::min(1.0, slope_over(*program_, box)); }
 
 Field Field::tagged(int tag) const {
   auto program = std::make_shared<Program>(*program_);

@@ -93,6 +93,10 @@ class Field {
   // the box is empty if there is no such point.
   [[nodiscard]] Box bounds(double level = 0) const;
 
+  // A bound on the gradient over the box, at most 1 and often less: inside it a step may be longer
+  // by its inverse. See local_bounds.h.
+  [[nodiscard]] double slope(const Box& box) const;
+
   // The field over one box, shorter where parts cannot matter there: the same bits at any point of
   // the box, anything elsewhere.
   [[nodiscard]] Field pruned(const Box& box) const;

@@ -27,8 +27,8 @@ inline Interval everything() { return {-kInfinity, kInfinity}; }
 
 inline Interval widened(double lo, double hi, double slack = kFloatSlack) {
   if (!(lo <= hi)) return everything();  // NaN, of infinities
-  return {lo * (lo > 0 ? 1 - slack : 1 + slack) - 1e-40,
-          hi * (hi > 0 ? 1 + slack : 1 - slack) + 1e-40};
+  return {lo * (lo > 0 ? 1 - slack : 1 + slack) - 1e-37,
+          hi * (hi > 0 ? 1 + slack : 1 - slack) + 1e-37};
 }
 inline Interval hull(const Interval& a, const Interval& b) {
   return {std::fmin(a.lo, b.lo), std::fmax(a.hi, b.hi)};
@@ -113,10 +113,11 @@ inline Interval sqrt(const Interval& a) {
 }
 inline Interval floor(const Interval& a) { return {std::floor(a.lo), std::floor(a.hi)}; }
 inline Interval exp(const Interval& a) {
-  return widened(std::exp(a.lo), std::exp(a.hi), kFunctionSlack * 16);
+  return widened(std::exp(a.lo), std::exp(a.hi), kFunctionSlack);
 }
 inline Interval log(const Interval& a) {
-  const Interval r = widened(std::log(std::fmax(a.lo, 0)), std::log(std::fmax(a.hi, 0)));
+  // Single precision ends at about e^-87.
+  const Interval r = widened(std::log(std::fmax(a.lo, 0)), std::log(std::fmax(a.hi, 1e-38)));
   return {r.lo - kFunctionSlack, r.hi + kFunctionSlack};
 }
 // Of a >= 0.

@@ -7,6 +7,7 @@
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/field/program_data.h"
 #include "sdfgrid/field/registry.h"
+#include "sdfgrid/field/slope.h"
 
 namespace sdfgrid {
 namespace {
@@ -147,6 +148,49 @@ Field finished(Program program) {
   return Field(std::make_shared<const Program>(std::move(program)));
 }
 
+// Refuses a box without end: nothing bounds a slope over all of space.
+void check_finite(const OpInfo& op, const Box& box) {
+  for (int a = 0; a < 3; ++a) {
+    if (std::isfinite(box.lo[a]) && std::isfinite(box.hi[a])) continue;
+    throw refused(op,
+                  fmt::format("its slope is bounded only over a bounded region, but the node has "
+                              "no end along {}; intersect the node with a box",
+                              "xyz"[a]));
+  }
+}
+
+Program empty_program();
+
+// A program whose slope is bounded over a region only, as a distance bound everywhere.
+Program bounded_by_region(const OpInfo& op, Program raw) {
+  measure(raw);
+  Box box = Field(std::make_shared<const Program>(raw)).bounds();
+  if (box.empty()) box = {glm::dvec3(0), glm::dvec3(0)};
+  check_finite(op, box);
+  const glm::dvec3 half =
+      0.5 * box.size() * 1.02 + 1e-4 * std::max({box.size().x, box.size().y, box.size().z, 1e-3});
+  const glm::dvec3 c = box.center();
+  const double slope = refined_slope(raw, {c - half, c + half});
+  if (!(slope < 1e6)) {
+    throw refused(op,
+                  fmt::format("its slope has no bound on the region around the node, from ({:g}, "
+                              "{:g}, {:g}) to ({:g}, {:g}, {:g}); use smaller parameters, or keep "
+                              "the node away from where the op degenerates",
+                              box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z));
+  }
+  Program program = empty_program();
+  Instruction at = add_op(program, op_number("region"),
+                          {{"center", {c.x, c.y, c.z}},
+                           {"half", {half.x, half.y, half.z}},
+                           {"scale", 1 / std::max(slope * 1.000001, 1e-6)}});
+  at.step = Step::enter;
+  program.code.push_back(at);
+  append(program, raw);
+  at.step = Step::leave;
+  program.code.push_back(at);
+  return program;
+}
+
 Program empty_program() {
   Program program;
   program.constants.push_back(0);  // so that an op without parameters has an address
@@ -169,16 +213,28 @@ Field make_field(std::string_view name, const std::vector<Argument>& arguments,
   Program program = empty_program();
   if (role == OpRole::combination) {
     append_combination(program, number, arguments, of);
+    if (entry->info->guarantee == OpGuarantee::computed && of.size() > 1) {
+      program = bounded_by_region(*entry->info, std::move(program));
+    }
     return finished(std::move(program));
   }
   Instruction at = add_op(program, number, arguments);
   at.step = role == OpRole::leaf ? Step::leaf : role == OpRole::range ? Step::range : Step::enter;
   if (role == OpRole::leaf || role == OpRole::domain) program.code.push_back(at);
   if (role != OpRole::leaf) {
-    append(program, of.size() == 1 ? of[0].program() : make_field("union", {}, of).program());
+    const Field node = of.size() == 1 ? of[0] : make_field("union", {}, of);
+    if (registry()[number].fit != nullptr) {
+      const Box content = node.bounds();
+      check_finite(*entry->info, content);
+      registry()[number].fit(program.constants.data() + at.constants, content);
+    }
+    append(program, node.program());
   }
   if (role == OpRole::domain) at.step = Step::leave;
   if (role != OpRole::leaf) program.code.push_back(at);
+  if (entry->info->guarantee == OpGuarantee::computed) {
+    program = bounded_by_region(*entry->info, std::move(program));
+  }
   return finished(std::move(program));
 }
 

@@ -8,11 +8,13 @@
 #include "sdfgrid/field/domains.h"
 #include "sdfgrid/field/leaves_basic.h"
 #include "sdfgrid/field/ranges.h"
+#include "sdfgrid/field/region.h"
+#include "sdfgrid/field/warps.h"
 
 namespace sdfgrid::ops {
 
 // The place of a family is part of an op's number: kFamilySize * place + place within the family.
-using Families = std::tuple<Combinations, Ranges, Domains, BasicLeaves>;
+using Families = std::tuple<Combinations, Ranges, Domains, Warps, BasicLeaves>;
 
 // Calls visit.template operator()<Op>(number) for each op.
 template <class Visit, class... Op>

@@ -1,7 +1,6 @@
 // The interval reading: bounds of a field's values over a box, and the program that is left of it
 // there.
-#include <algorithm>
-
+#include "sdfgrid/field/field_reading.h"
 #include "sdfgrid/field/interpret.h"
 #include "sdfgrid/field/registry.h"
 #include "sdfgrid/field/sampled.h"
@@ -51,6 +50,8 @@ Interval spread(double value, const Ball& ball) {
   return r < kInfinity ? Interval(value - r, value + r) : everything();
 }
 
+}  // namespace
+
 Interval leaf_interval(const Program& program, const Instruction& at, const Point<Interval>& p) {
   const Ball ball = ball_around(p);
   if (at.step == Step::sample) {
@@ -69,6 +70,10 @@ Interval leaf_interval(const Program& program, const Instruction& at, const Poin
 Point<Interval> intervals(const Box& box) {
   return {Interval(box.lo.x, box.hi.x), Interval(box.lo.y, box.hi.y), Interval(box.lo.z, box.hi.z)};
 }
+
+const std::vector<OpFunctions<Interval>>& interval_functions() { return interval_ops().functions; }
+
+namespace {
 
 // Runs the program over a box and writes what is left of it.
 class Pruning {

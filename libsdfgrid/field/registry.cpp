@@ -33,6 +33,13 @@ RegisteredOp registered() {
       std::memcpy(constants, &op, sizeof op);
     };
   }
+  if constexpr (requires(Op op, Box box) { op.fit(box); }) {
+    r.fit = [](float* constants, const Box& content) {
+      Op op = load_op<Op>(constants);
+      op.fit(content);
+      std::memcpy(constants, &op, sizeof op);
+    };
+  }
   r.bounds = [](const float* c, Data data, const Box& a, const Box& b, double level) -> Box {
     const Op op = load_op<Op>(c);
     if constexpr (requires { op.bounds(data, level); }) {

@@ -14,6 +14,8 @@ struct RegisteredOp {
   bool convex = false;       // combination and range: no steeper than the steepest operand
   // Derives what the struct holds beside its parameters; throws Error{input}.
   void (*prepare)(float* constants, ops::Data data) = nullptr;
+  // Tells a domain op where its node is; null if it need not know.
+  void (*fit)(float* constants, const Box& content) = nullptr;
   // Where the result is below a level, see combinations.h. Of a leaf `a` and `b` are not used.
   Box (*bounds)(const float* constants, ops::Data data, const Box& a, const Box& b,
                 double level) = nullptr;

@@ -5,7 +5,8 @@
 namespace sdfgrid::SDFGRID_ISA {
 namespace {
 
-const BatchFamily* const kFamilies[] = {&kCombinations, &kRanges, &kDomains, &kBasicLeaves};
+const BatchFamily* const kFamilies[] = {&kCombinations, &kRanges, &kDomains, &kWarps,
+                                        &kBasicLeaves};
 
 void set_point(const float* p[3], const float* const from[3]) {
   for (int a = 0; a < 3; ++a) p[a] = from[a];

@@ -1,0 +1,223 @@
+// The Lipschitz reading of a program: of each value its interval over the box and a bound on its
+// gradient, of each point how far the maps above it stretch a vector. What an op contributes is
+// known by proof (1-Lipschitz leaves, convex combinations), in closed form (stretch, slope), or
+// comes from its formula over intervals with derivatives.
+#include "sdfgrid/field/slope.h"
+
+#include <algorithm>
+#include <queue>
+
+#include "sdfgrid/field/dual.h"
+#include "sdfgrid/field/field_reading.h"
+#include "sdfgrid/field/interpret.h"
+#include "sdfgrid/field/registry.h"
+
+namespace sdfgrid {
+namespace {
+
+using namespace ops;
+
+struct Steep {
+  Interval value;
+  double slope;  // bound on |grad value| in world space
+};
+struct Place {
+  Point<Interval> p;
+  double stretch;  // bound on |dp/dworld|
+};
+
+// How one op changes slopes.
+struct SlopeOps {
+  double (*leaf)(const float* c, Data data, const Point<Interval>& p) = nullptr;
+  double (*combine)(const float* c, const Steep& a, const Steep& b, const Place& at) = nullptr;
+  double (*value)(const float* c, const Steep& d, const Place& at) = nullptr;
+  double (*stretch)(const float* c, const Point<Interval>& p) = nullptr;
+};
+
+template <int N>
+double norm(const Dual<Interval, N>& r, int first, int count) {
+  double sum = 0;
+  for (int i = first; i < first + count; ++i) sum += magnitude(r.d[i]) * magnitude(r.d[i]);
+  return std::isnan(sum) ? kInfinity : std::sqrt(sum);
+}
+
+template <int N>
+Point<Dual<Interval, N>> variables(const Point<Interval>& p, int first) {
+  using D = Dual<Interval, N>;
+  return {D::variable(p.x, first), D::variable(p.y, first + 1), D::variable(p.z, first + 2)};
+}
+
+// 0 * infinity is 0 here: what is not used may be as steep as it likes.
+double times(double a, double b) { return product(a, b); }
+
+template <class Op>
+double leaf_slope(const float* c, Data data, const Point<Interval>& p) {
+  if constexpr (Op::info.guarantee != OpGuarantee::computed) {
+    return 1;
+  } else {
+    return norm(leaf_value(load_op<Op>(c), variables<3>(p, 0), data), 0, 3);
+  }
+}
+
+template <class Op>
+double combined_slope(const float* c, const Steep& a, const Steep& b, const Place& at) {
+  const Op op = load_op<Op>(c);
+  if constexpr (requires { Op::kConvex; }) {
+    const Keep keep = op.keep(a.value, b.value);
+    if (keep != Keep::both) return keep == Keep::first ? a.slope : b.slope;
+    return std::fmax(a.slope, b.slope);
+  } else {
+    using D = Dual<Interval, 5>;
+    const D r = op.combine(D::variable(a.value, 3), D::variable(b.value, 4), variables<5>(at.p, 0));
+    return times(norm(r, 3, 1), a.slope) + times(norm(r, 4, 1), b.slope) +
+           times(norm(r, 0, 3), at.stretch);
+  }
+}
+
+template <class Op>
+double value_slope(const float* c, const Steep& d, const Place& at) {
+  const Op op = load_op<Op>(c);
+  if constexpr (requires { Op::kConvex; }) {
+    return d.slope;
+  } else if constexpr (requires { op.slope(d.value, d.slope, at.p); }) {
+    return op.slope(d.value, d.slope, at.p);
+  } else {
+    using D = Dual<Interval, 4>;
+    const D r = op.value(D::variable(d.value, 3), variables<4>(at.p, 0));
+    return times(norm(r, 3, 1), d.slope) + times(norm(r, 0, 3), at.stretch);
+  }
+}
+
+template <class Op>
+double map_stretch(const float* c, const Point<Interval>& p) {
+  const Op op = load_op<Op>(c);
+  if constexpr (requires { op.stretch(p); }) {
+    return op.stretch(p);
+  } else {
+    // The Frobenius norm, and the mean of the largest row and column sums.
+    const auto q = op.inside(variables<3>(p, 0));
+    const Dual<Interval, 3>* rows[3] = {&q.x, &q.y, &q.z};
+    double square_sum = 0;
+    double row[3] = {};
+    double column[3] = {};
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        const double m = magnitude(rows[i]->d[j]);
+        square_sum += m * m;
+        row[i] += m;
+        column[j] += m;
+      }
+    }
+    const double sums = *std::max_element(row, row + 3) * *std::max_element(column, column + 3);
+    const double r = std::sqrt(std::fmin(square_sum, sums));
+    return std::isnan(r) ? kInfinity : r;
+  }
+}
+
+std::vector<SlopeOps> make_slope_ops() {
+  std::vector<SlopeOps> all(std::tuple_size_v<Families> * kFamilySize);
+  each_op([&]<class Op>(int number) {
+    SlopeOps& f = all[number];
+    if constexpr (Leaf<Op>) f.leaf = leaf_slope<Op>;
+    if constexpr (Combination<Op>) f.combine = combined_slope<Op>;
+    if constexpr (Range<Op> || Leaves<Op>) f.value = value_slope<Op>;
+    if constexpr (Domain<Op>) f.stretch = map_stretch<Op>;
+  });
+  return all;
+}
+
+class SlopeReading {
+ public:
+  explicit SlopeReading(const Program& program) : program_(program) {}
+
+  double over(const Box& box) {
+    places_.push_back({intervals(box), 1});
+    for (const Instruction& at : program_.code) step(at);
+    return values_.back().slope;
+  }
+
+ private:
+  void step(const Instruction& at) {
+    static const std::vector<SlopeOps> slope_ops = make_slope_ops();
+    const SlopeOps& s = slope_ops[at.op];
+    const OpFunctions<Interval>& f = interval_functions()[at.op];
+    const float* c = program_.constants.data() + at.constants;
+    const Place here = places_.back();
+    switch (at.step) {
+      case Step::leaf:
+        values_.push_back({leaf_interval(program_, at, here.p),
+                           times(s.leaf(c, data_of(program_, at), here.p), here.stretch)});
+        break;
+      case Step::sample:
+        values_.push_back({leaf_interval(program_, at, here.p), here.stretch});
+        break;
+      case Step::combine: {
+        const Steep b = values_.back();
+        values_.pop_back();
+        Steep& a = values_.back();
+        a = {f.combine(c, a.value, b.value, here.p), s.combine(c, a, b, here)};
+        break;
+      }
+      case Step::enter:
+        places_.push_back({f.inside(c, here.p), times(here.stretch, s.stretch(c, here.p))});
+        break;
+      case Step::leave:
+        places_.pop_back();
+        if (f.value != nullptr) change(f, s, c);
+        break;
+      case Step::range:
+        change(f, s, c);
+        break;
+    }
+  }
+  void change(const OpFunctions<Interval>& f, const SlopeOps& s, const float* c) {
+    Steep& d = values_.back();
+    d = {f.value(c, d.value, places_.back().p), s.value(c, d, places_.back())};
+  }
+
+  const Program& program_;
+  std::vector<Steep> values_;
+  std::vector<Place> places_;
+};
+
+struct Cell {
+  double slope;
+  Box box;
+  bool operator<(const Cell& other) const { return slope < other.slope; }
+};
+
+Box child(const Box& box, int octant) {
+  Box r = box;
+  const glm::dvec3 middle = box.center();
+  for (int a = 0; a < 3; ++a) ((octant >> a & 1) != 0 ? r.lo : r.hi)[a] = middle[a];
+  return r;
+}
+
+}  // namespace
+
+double slope_over(const Program& program, const Box& box) {
+  if (program.code.empty()) return 0;
+  return SlopeReading(program).over(box);
+}
+
+double refined_slope(const Program& program, const Box& box) {
+  constexpr int kSplits = 400;
+  constexpr double kGain = 1.02;  // within this of a point's own slope nothing is left to gain
+  std::priority_queue<Cell> cells;
+  cells.push({slope_over(program, box), box});
+  double attained = 0;  // the bound over some single point
+  for (int i = 0; i < kSplits; ++i) {
+    const Cell worst = cells.top();
+    const glm::dvec3 middle = worst.box.center();
+    attained = std::fmax(attained, slope_over(program, {middle, middle}));
+    if (worst.slope <= attained * kGain) break;
+    cells.pop();
+    for (int octant = 0; octant < 8; ++octant) {
+      const Box part = child(worst.box, octant);
+      cells.push({std::fmin(worst.slope, slope_over(program, part)), part});
+    }
+  }
+  return cells.top().slope;
+}
+
+}  // namespace sdfgrid
