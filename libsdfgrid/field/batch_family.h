@@ -23,7 +23,7 @@ void apply(const BatchStep& s) {
   for (int i = 0; i < s.n; i += kLanes) {
     const LanePoint p = load_point(s, i);
     if constexpr (ops::Leaf<Op>) {
-      store(s.out + i, ops::leaf_value(op, p, {s.data, s.count}).v);
+      store(s.out + i, ops::leaf_value(op, minus(p, s.offset), {s.data, s.count}).v);
     } else if constexpr (ops::Combination<Op>) {
       store(s.out + i, op.combine(Lanes(load(s.a + i)), Lanes(load(s.b + i)), p).v);
     } else if constexpr (ops::Range<Op>) {

@@ -56,9 +56,9 @@ void Field::evaluate(std::size_t n, const float* x, const float* y, const float*
     return;
   }
   std::vector<const Sampler*> samplers;
-  for (const auto& s : p.samplers) samplers.push_back(s.get());
-  const BatchProgram program = {p.code.data(), static_cast<int>(p.code.size()), p.constants.data(),
-                                samplers.data(), sample};
+  for (const auto& s : p.pool->samplers) samplers.push_back(s.get());
+  const BatchProgram program = {p.code.data(), static_cast<int>(p.code.size()),
+                                p.pool->constants.data(), samplers.data(), sample};
   const auto run = field_kernel().run;
   float* memory = scratch(static_cast<std::size_t>(kBatch) * (p.values + 3 * p.points));
   std::size_t done = 0;

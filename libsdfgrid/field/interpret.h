@@ -57,7 +57,13 @@ std::vector<OpFunctions<T>> make_functions() {
 }
 
 inline Data data_of(const Program& program, const Instruction& at) {
-  return {program.constants.data() + at.data, static_cast<int>(at.count)};
+  return {program.pool->constants.data() + at.data, static_cast<int>(at.count)};
+}
+
+// The point in the space of a leaf.
+template <class T>
+Point<T> leaf_point(const Instruction& at, const Point<T>& p) {
+  return minus(p, at.offset);
 }
 
 // Runs a program at p. `leaf(instruction, point)` is asked for each leaf's value, samplers
@@ -72,11 +78,11 @@ T interpret(const Program& program, const std::vector<OpFunctions<T>>& functions
   int inner = 0;
   for (const Instruction& at : program.code) {
     const OpFunctions<T>& f = functions[at.op];
-    const float* c = program.constants.data() + at.constants;
+    const float* c = constants_of(program, at);
     switch (at.step) {
       case Step::leaf:
       case Step::sample:
-        values[top++] = leaf(at, points[inner]);
+        values[top++] = leaf(at, leaf_point(at, points[inner]));
         break;
       case Step::combine:
         --top;

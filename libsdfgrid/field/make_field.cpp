@@ -83,7 +83,7 @@ void check_names(const OpEntry& entry, const std::vector<Argument>& arguments) {
 }
 
 // An instruction for the op, its struct and list appended to the program's constants.
-Instruction add_op(Program& program, int number, const std::vector<Argument>& arguments) {
+Instruction add_op(Draft& program, int number, const std::vector<Argument>& arguments) {
   const RegisteredOp& op = registry()[number];
   std::vector<float> fixed;
   std::vector<float> list;
@@ -101,18 +101,18 @@ Instruction add_op(Program& program, int number, const std::vector<Argument>& ar
   }
   Instruction at{};
   at.op = static_cast<std::uint16_t>(number);
-  at.constants = static_cast<std::uint32_t>(program.constants.size());
-  program.constants.insert(program.constants.end(), fixed.begin(), fixed.end());
-  at.data = static_cast<std::uint32_t>(program.constants.size());
+  at.constants = static_cast<std::uint32_t>(program.pool.constants.size());
+  program.pool.constants.insert(program.pool.constants.end(), fixed.begin(), fixed.end());
+  at.data = static_cast<std::uint32_t>(program.pool.constants.size());
   at.count = static_cast<std::uint32_t>(list.size());
-  program.constants.insert(program.constants.end(), list.begin(), list.end());
+  program.pool.constants.insert(program.pool.constants.end(), list.begin(), list.end());
   at.tag = -1;
   return at;
 }
 
 // Joins fields two by two, halves first, so that the program's stack stays shallow however many
 // there are.
-void append_joined(Program& program, std::span<const Field> of, const Instruction& join) {
+void append_joined(Draft& program, std::span<const Field> of, const Instruction& join) {
   if (of.size() == 1) {
     append(program, of[0].program());
     return;
@@ -130,7 +130,7 @@ int rest_number(int number) {
   return number;
 }
 
-void append_combination(Program& program, int number, const std::vector<Argument>& arguments,
+void append_combination(Draft& program, int number, const std::vector<Argument>& arguments,
                         std::span<const Field> of) {
   Instruction last = add_op(program, number, arguments);
   last.step = Step::combine;
@@ -141,11 +141,6 @@ void append_combination(Program& program, int number, const std::vector<Argument
   append(program, of[0].program());
   append_joined(program, of.subspan(1), join);
   program.code.push_back(last);
-}
-
-Field finished(Program program) {
-  measure(program);
-  return Field(std::make_shared<const Program>(std::move(program)));
 }
 
 // Refuses a box without end: nothing bounds a slope over all of space.
@@ -159,18 +154,45 @@ void check_finite(const OpInfo& op, const Box& box) {
   }
 }
 
-Program empty_program();
+// A leaf is moved by its own offset, which costs next to nothing.
+bool append_moved_leaf(Draft& draft, const Field& node, const float by[3]) {
+  if (node.size() != 1 || node.program().code[0].step != Step::leaf) return false;
+  append(draft, node.program());
+  for (int a = 0; a < 3; ++a) draft.code.back().offset[a] += by[a];
+  return true;
+}
+
+void append_unary(Draft& draft, int number, const std::vector<Argument>& arguments,
+                  const Field& node) {
+  const RegisteredOp& op = registry()[number];
+  Instruction at = add_op(draft, number, arguments);
+  float* constants = draft.pool.constants.data() + at.constants;
+  if (op.fit != nullptr) {
+    const Box content = node.bounds();
+    check_finite(*op.entry.info, content);
+    op.fit(constants, content);
+  }
+  if (number == op_number("translate")) {
+    const float by[3] = {constants[0], constants[1], constants[2]};
+    if (append_moved_leaf(draft, node, by)) return;
+  }
+  const bool domain = op.entry.info->role == OpRole::domain;
+  at.step = Step::enter;
+  if (domain) draft.code.push_back(at);
+  append(draft, node.program());
+  at.step = domain ? Step::leave : Step::range;
+  draft.code.push_back(at);
+}
 
 // A program whose slope is bounded over a region only, as a distance bound everywhere.
-Program bounded_by_region(const OpInfo& op, Program raw) {
-  measure(raw);
-  Box box = Field(std::make_shared<const Program>(raw)).bounds();
+Field bounded_by_region(const OpInfo& op, const Field& raw) {
+  Box box = raw.bounds();
   if (box.empty()) box = {glm::dvec3(0), glm::dvec3(0)};
   check_finite(op, box);
   const glm::dvec3 half =
       0.5 * box.size() * 1.02 + 1e-4 * std::max({box.size().x, box.size().y, box.size().z, 1e-3});
   const glm::dvec3 c = box.center();
-  const double slope = refined_slope(raw, {c - half, c + half});
+  const double slope = refined_slope(raw.program(), {c - half, c + half});
   if (!(slope < 1e6)) {
     throw refused(op,
                   fmt::format("its slope has no bound on the region around the node, from ({:g}, "
@@ -178,23 +200,17 @@ Program bounded_by_region(const OpInfo& op, Program raw) {
                               "the node away from where the op degenerates",
                               box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z));
   }
-  Program program = empty_program();
+  Draft program;
   Instruction at = add_op(program, op_number("region"),
                           {{"center", {c.x, c.y, c.z}},
                            {"half", {half.x, half.y, half.z}},
                            {"scale", 1 / std::max(slope * 1.000001, 1e-6)}});
   at.step = Step::enter;
   program.code.push_back(at);
-  append(program, raw);
+  append(program, raw.program());
   at.step = Step::leave;
   program.code.push_back(at);
-  return program;
-}
-
-Program empty_program() {
-  Program program;
-  program.constants.push_back(0);  // so that an op without parameters has an address
-  return program;
+  return make_field(std::move(program));
 }
 
 }  // namespace
@@ -210,42 +226,29 @@ Field make_field(std::string_view name, const std::vector<Argument>& arguments,
   check_names(*entry, arguments);
   if (role == OpRole::leaf && !of.empty()) throw refused(*entry->info, "it takes no nodes");
   if (role != OpRole::leaf && of.empty()) throw refused(*entry->info, "give it a node to work on");
-  Program program = empty_program();
+  Draft draft;
   if (role == OpRole::combination) {
-    append_combination(program, number, arguments, of);
-    if (entry->info->guarantee == OpGuarantee::computed && of.size() > 1) {
-      program = bounded_by_region(*entry->info, std::move(program));
-    }
-    return finished(std::move(program));
+    append_combination(draft, number, arguments, of);
+  } else if (role == OpRole::leaf) {
+    Instruction at = add_op(draft, number, arguments);
+    at.step = Step::leaf;
+    draft.code.push_back(at);
+  } else {
+    append_unary(draft, number, arguments, of.size() == 1 ? of[0] : make_field("union", {}, of));
   }
-  Instruction at = add_op(program, number, arguments);
-  at.step = role == OpRole::leaf ? Step::leaf : role == OpRole::range ? Step::range : Step::enter;
-  if (role == OpRole::leaf || role == OpRole::domain) program.code.push_back(at);
-  if (role != OpRole::leaf) {
-    const Field node = of.size() == 1 ? of[0] : make_field("union", {}, of);
-    if (registry()[number].fit != nullptr) {
-      const Box content = node.bounds();
-      check_finite(*entry->info, content);
-      registry()[number].fit(program.constants.data() + at.constants, content);
-    }
-    append(program, node.program());
-  }
-  if (role == OpRole::domain) at.step = Step::leave;
-  if (role != OpRole::leaf) program.code.push_back(at);
-  if (entry->info->guarantee == OpGuarantee::computed) {
-    program = bounded_by_region(*entry->info, std::move(program));
-  }
-  return finished(std::move(program));
+  const Field made = make_field(std::move(draft));
+  const bool region = entry->info->guarantee == OpGuarantee::computed && made.size() > of.size();
+  return region ? bounded_by_region(*entry->info, made) : made;
 }
 
 Field make_field(std::shared_ptr<const Sampler> sampler) {
-  Program program = empty_program();
+  Draft program;
   Instruction at{};
   at.step = Step::sample;
   at.tag = -1;
   program.code.push_back(at);
-  program.samplers.push_back(std::move(sampler));
-  return finished(std::move(program));
+  program.pool.samplers.push_back(std::move(sampler));
+  return make_field(std::move(program));
 }
 
 }  // namespace sdfgrid

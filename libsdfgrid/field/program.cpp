@@ -7,23 +7,31 @@
 
 namespace sdfgrid {
 
-void append(Program& to, const Program& from) {
-  const auto constants = static_cast<std::uint32_t>(to.constants.size());
-  const auto samplers = static_cast<std::uint32_t>(to.samplers.size());
+void append(Draft& to, const Program& from) {
+  const auto constants = static_cast<std::uint32_t>(to.pool.constants.size());
+  const auto samplers = static_cast<std::uint32_t>(to.pool.samplers.size());
   for (Instruction at : from.code) {
     at.constants += constants;
     at.data += constants;
     at.sampler += samplers;
     to.code.push_back(at);
   }
-  to.constants.insert(to.constants.end(), from.constants.begin(), from.constants.end());
-  to.samplers.insert(to.samplers.end(), from.samplers.begin(), from.samplers.end());
+  const Pool& pool = *from.pool;
+  to.pool.constants.insert(to.pool.constants.end(), pool.constants.begin(), pool.constants.end());
+  to.pool.samplers.insert(to.pool.samplers.end(), pool.samplers.begin(), pool.samplers.end());
 }
 
-void measure(Program& program) {
+Field make_field(Draft draft) {
+  return Field(std::make_shared<const Program>(
+      make_program(std::move(draft.code), std::make_shared<const Pool>(std::move(draft.pool)))));
+}
+
+Program make_program(std::vector<Instruction> code, std::shared_ptr<const Pool> pool) {
+  Program program;
+  program.code = std::move(code);
+  program.pool = std::move(pool);
   std::vector<int> nesting;  // of each value on the stack
   int inner = 0;
-  program.values = program.points = program.nesting = 0;
   for (const Instruction& at : program.code) {
     switch (at.step) {
       case Step::leaf:
@@ -56,6 +64,7 @@ void measure(Program& program) {
                             "({}) are possible; flatten lists of unions, join moves",
                             program.nesting, program.points, kMaxNesting, kMaxPoints));
   }
+  return program;
 }
 
 std::vector<std::int32_t> subtree_starts(const std::vector<Instruction>& code) {

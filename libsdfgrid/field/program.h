@@ -18,6 +18,7 @@ enum class Step : std::uint8_t { leaf, sample, combine, range, enter, leave };
 struct Instruction {
   std::uint16_t op;  // family * kFamilySize + place in the family (op_list.h)
   Step step;
+  float offset[3];          // Step::leaf: where its origin is, a translation of its own
   std::uint32_t constants;  // index of the op's struct in the program's constants
   std::uint32_t data;       // index of its list in the same, and
   std::uint32_t count;      // how many floats the list has
@@ -36,9 +37,10 @@ struct BatchStep {
   const float* constants;
   const float* data;
   int count;
-  const float* p[3];  // the point; for Step::leave the one outside
-  float* q[3];        // Step::enter: the point inside
-  const float* a;     // values
+  const float* offset;  // Instruction::offset
+  const float* p[3];    // the point; for Step::leave the one outside
+  float* q[3];          // Step::enter: the point inside
+  const float* a;       // values
   const float* b;
   float* out;
 };

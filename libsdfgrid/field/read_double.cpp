@@ -51,21 +51,20 @@ const MarkedOps& marked_ops() {
 
 double leaf_value(const Program& program, const Instruction& at, const Point<double>& p) {
   if (at.step == Step::sample) {
-    return sample_at(*program.samplers[at.sampler], glm::dvec3(p.x, p.y, p.z));
+    return sample_at(sampler_of(program, at), glm::dvec3(p.x, p.y, p.z));
   }
-  return marked_ops().functions[at.op].leaf(program.constants.data() + at.constants,
-                                            data_of(program, at), p);
+  return marked_ops().functions[at.op].leaf(constants_of(program, at), data_of(program, at), p);
 }
 
 // One step of a program that carries marks beside values.
 void marked_step(const Program& program, const Instruction& at, std::vector<Marked>& values,
                  std::vector<Point<double>>& points) {
   const OpFunctions<double>& f = marked_ops().functions[at.op];
-  const float* c = program.constants.data() + at.constants;
+  const float* c = constants_of(program, at);
   switch (at.step) {
     case Step::leaf:
     case Step::sample:
-      values.push_back({leaf_value(program, at, points.back()), at.tag});
+      values.push_back({leaf_value(program, at, leaf_point(at, points.back())), at.tag});
       break;
     case Step::combine: {
       const Marked b = values.back();
@@ -104,8 +103,8 @@ ValueGradient Field::gradient(const glm::dvec3& p) const {
                               Gradient::variable(p.z, 2)};
   const auto& functions = gradient_functions();
   const auto leaf = [&](const Instruction& i, const Point<Gradient>& q) {
-    if (i.step == Step::sample) return sampled_gradient(*program_->samplers[i.sampler], q);
-    return functions[i.op].leaf(program_->constants.data() + i.constants, data_of(*program_, i), q);
+    if (i.step == Step::sample) return sampled_gradient(sampler_of(*program_, i), q);
+    return functions[i.op].leaf(constants_of(*program_, i), data_of(*program_, i), q);
   };
   const Gradient r = interpret(*program_, functions, at, leaf);
   return {r.v, glm::dvec3(r.d[0], r.d[1], r.d[2])};

@@ -56,9 +56,9 @@ Interval leaf_interval(const Program& program, const Instruction& at, const Poin
   const Ball ball = ball_around(p);
   if (at.step == Step::sample) {
     if (!(ball.radius < kInfinity)) return everything();
-    return spread(sample_at(*program.samplers[at.sampler], ball.center), ball);
+    return spread(sample_at(sampler_of(program, at), ball.center), ball);
   }
-  const float* c = program.constants.data() + at.constants;
+  const float* c = constants_of(program, at);
   const Data data = data_of(program, at);
   const Interval direct = interval_ops().functions[at.op].leaf(c, data, p);
   const bool lipschitz = registry()[at.op].entry.info->guarantee < OpGuarantee::computed;
@@ -94,13 +94,13 @@ class Pruning {
 
   void step(const Instruction& at) {
     const OpFunctions<Interval>& f = interval_ops().functions[at.op];
-    const float* c = program_.constants.data() + at.constants;
+    const float* c = constants_of(program_, at);
     const std::size_t begin = code_.size();
     code_.push_back(at);
     switch (at.step) {
       case Step::leaf:
       case Step::sample:
-        values_.push_back({leaf_interval(program_, at, points_.back()), begin});
+        values_.push_back({leaf_interval(program_, at, leaf_point(at, points_.back())), begin});
         break;
       case Step::combine:
         combine(at, f, c);
@@ -157,12 +157,8 @@ ValueRange Field::range(const Box& box) const {
 }
 
 Field Field::pruned(const Box& box) const {
-  auto rest = std::make_shared<Program>();
-  rest->code = Pruning(*program_).over(box);
-  rest->constants = program_->constants;
-  rest->samplers = program_->samplers;
-  measure(*rest);
-  return Field(std::move(rest));
+  return Field(
+      std::make_shared<const Program>(make_program(Pruning(*program_).over(box), program_->pool)));
 }
 
 namespace {
@@ -174,12 +170,16 @@ Box bounds_below(const Program& program, const std::vector<std::int32_t>& starts
   const Box all{glm::dvec3(-kInfinity), glm::dvec3(kInfinity)};
   if (at.step == Step::sample) {
     // A bound may be small far from its surface.
-    return level <= 0 ? program.samplers[at.sampler]->bounds() : all;
+    return level <= 0 ? sampler_of(program, at).bounds() : all;
   }
   const RegisteredOp& op = registry()[at.op];
-  const float* c = program.constants.data() + at.constants;
+  const float* c = constants_of(program, at);
   const Data data = data_of(program, at);
-  if (at.step == Step::leaf) return op.bounds(c, data, all, all, level);
+  if (at.step == Step::leaf) {
+    const Box box = op.bounds(c, data, all, all, level);
+    const glm::dvec3 offset(at.offset[0], at.offset[1], at.offset[2]);
+    return box.empty() ? box : Box{box.lo + offset, box.hi + offset};
+  }
   const double below = op.child_level(c, level);
   const Box second = bounds_below(program, starts, last - 1, below);
   if (at.step != Step::combine) return op.bounds(c, data, second, all, level);

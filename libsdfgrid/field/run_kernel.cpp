@@ -26,6 +26,7 @@ void run(const BatchProgram& program, int n, const float* const p[3], float* out
     step.n = n;
     step.constants = program.constants + at.constants;
     step.data = program.constants + at.data;
+    step.offset = at.offset;
     step.count = static_cast<int>(at.count);
     set_point(step.p, points[inner]);
     const BatchFamily& family = *kFamilies[at.op / kFamilySize];

@@ -141,13 +141,14 @@ class SlopeReading {
     static const std::vector<SlopeOps> slope_ops = make_slope_ops();
     const SlopeOps& s = slope_ops[at.op];
     const OpFunctions<Interval>& f = interval_functions()[at.op];
-    const float* c = program_.constants.data() + at.constants;
+    const float* c = constants_of(program_, at);
     const Place here = places_.back();
     switch (at.step) {
-      case Step::leaf:
-        values_.push_back({leaf_interval(program_, at, here.p),
-                           times(s.leaf(c, data_of(program_, at), here.p), here.stretch)});
-        break;
+      case Step::leaf: {
+        const Point<Interval> p = leaf_point(at, here.p);
+        values_.push_back({leaf_interval(program_, at, p),
+                           times(s.leaf(c, data_of(program_, at), p), here.stretch)});
+      } break;
       case Step::sample:
         values_.push_back({leaf_interval(program_, at, here.p), here.stretch});
         break;

@@ -1,7 +1,8 @@
 # Analytic fields: every op of the list against brute force and the other readings.
 sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/examples.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/field_test.cpp
-                                ${CMAKE_CURRENT_LIST_DIR}/ops_test.cpp)
+                                ${CMAKE_CURRENT_LIST_DIR}/ops_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/slope_test.cpp)
 foreach(isa baseline avx2)
   add_test(NAME FieldOps.${isa} COMMAND field_test --gtest_filter=*Ops.*)
   set_tests_properties(FieldOps.${isa} PROPERTIES ENVIRONMENT SDFGRID_ISA=${isa} LABELS fast)

@@ -1,0 +1,250 @@
+// Evaluation of a CSG scene of 127 ops (64 solids, 63 combinations) at 128^3 points, one thread:
+//   tree    a tree of virtual nodes, point by point, as most programs do it
+//   batch   Field::evaluate
+//   pruned  the same after pruning for 64^3, 32^3, 16^3 and 8^3 points in turn; must give the bits
+//   of batch field_bench [REPETITIONS]
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <functional>
+#include <memory>
+#include <random>
+
+#include "sdfgrid/field/field.h"
+
+namespace {
+
+using sdfgrid::Box;
+using sdfgrid::Field;
+using sdfgrid::make_field;
+
+constexpr int kSide = 128;
+constexpr int kSolids = 64;
+
+// The peer: nodes with a virtual function, in float, each solid with its place.
+struct Node {
+  virtual ~Node() = default;
+  [[nodiscard]] virtual float at(float x, float y, float z) const = 0;
+};
+struct BallNode : Node {
+  float c[3], r;
+  [[nodiscard]] float at(float x, float y, float z) const override {
+    x -= c[0], y -= c[1], z -= c[2];
+    return std::sqrt(x * x + y * y + z * z) - r;
+  }
+};
+struct BoxNode : Node {
+  float c[3], half[3];
+  [[nodiscard]] float at(float x, float y, float z) const override {
+    x = std::fabs(x - c[0]) - half[0], y = std::fabs(y - c[1]) - half[1];
+    z = std::fabs(z - c[2]) - half[2];
+    const float u = std::max(x, 0.0F);
+    const float v = std::max(y, 0.0F);
+    const float w = std::max(z, 0.0F);
+    return std::sqrt(u * u + v * v + w * w) + std::min(std::max(x, std::max(y, z)), 0.0F);
+  }
+};
+struct TorusNode : Node {
+  float c[3], major, minor;
+  [[nodiscard]] float at(float x, float y, float z) const override {
+    x -= c[0], y -= c[1], z -= c[2];
+    const float q = std::sqrt(x * x + y * y) - major;
+    return std::sqrt(q * q + z * z) - minor;
+  }
+};
+struct PairNode : Node {
+  std::unique_ptr<Node> a, b;
+};
+struct UnionNode : PairNode {
+  [[nodiscard]] float at(float x, float y, float z) const override {
+    return std::min(a->at(x, y, z), b->at(x, y, z));
+  }
+};
+struct DifferenceNode : PairNode {
+  [[nodiscard]] float at(float x, float y, float z) const override {
+    return std::max(a->at(x, y, z), -b->at(x, y, z));
+  }
+};
+struct SmoothNode : PairNode {
+  float k = 0.1F;
+  [[nodiscard]] float at(float x, float y, float z) const override {
+    const float u = a->at(x, y, z);
+    const float v = b->at(x, y, z);
+    const float h = std::max(k - std::fabs(u - v), 0.0F);
+    return std::min(u, v) - h * h * (0.25F / k);
+  }
+};
+
+struct Both {
+  Field field;
+  std::unique_ptr<Node> node;
+};
+
+Both solid(int i, std::mt19937& random) {
+  std::uniform_real_distribution<double> at(-1.7, 1.7);
+  std::uniform_real_distribution<double> size(0.1, 0.45);
+  const double c[3] = {at(random), at(random), at(random)};
+  const auto placed = [&](auto node, const Field& f) {
+    for (int a = 0; a < 3; ++a) node->c[a] = static_cast<float>(c[a]);
+    return Both{make_field("translate", {{"by", {c[0], c[1], c[2]}}}, {f}), std::move(node)};
+  };
+  if (i % 3 == 0) {
+    auto node = std::make_unique<BallNode>();
+    const double r = size(random);
+    node->r = static_cast<float>(r);
+    return placed(std::move(node), make_field("sphere", {{"radius", r}}));
+  }
+  if (i % 3 == 1) {
+    auto node = std::make_unique<BoxNode>();
+    const double edge[3] = {2 * size(random), 2 * size(random), 2 * size(random)};
+    for (int a = 0; a < 3; ++a) node->half[a] = static_cast<float>(0.5 * edge[a]);
+    return placed(std::move(node), make_field("box", {{"size", {edge[0], edge[1], edge[2]}}}));
+  }
+  auto node = std::make_unique<TorusNode>();
+  const double r = size(random);
+  node->major = static_cast<float>(r);
+  node->minor = static_cast<float>(0.4 * r);
+  return placed(std::move(node), make_field("torus", {{"major", r}, {"minor", 0.4 * r}}));
+}
+
+// A balanced tree of unions, smooth unions and differences.
+Both scene(int first, int count, std::mt19937& random) {
+  if (count == 1) return solid(first, random);
+  Both a = scene(first, count / 2, random);
+  Both b = scene(first + count / 2, count - count / 2, random);
+  std::unique_ptr<PairNode> node;
+  Field f;
+  if (count == 4) {
+    node = std::make_unique<DifferenceNode>();
+    f = make_field("difference", {}, {a.field, b.field});
+  } else if (count == 2) {
+    node = std::make_unique<SmoothNode>();
+    f = make_field("smooth_union", {{"k", 0.1}}, {a.field, b.field});
+  } else {
+    node = std::make_unique<UnionNode>();
+    f = make_field("union", {}, {a.field, b.field});
+  }
+  node->a = std::move(a.node);
+  node->b = std::move(b.node);
+  return {f, std::move(node)};
+}
+
+struct Samples {
+  std::vector<float> x, y, z, value;
+};
+
+// The points of a cube of the lattice, z fastest; cubes of 8^3 points are contiguous when pruned.
+float coordinate(int i) { return -2 + 4 * (static_cast<float>(i) + 0.5F) / kSide; }
+
+Samples cube(int x0, int y0, int z0, int side) {
+  Samples s;
+  for (int x = 0; x < side; ++x) {
+    for (int y = 0; y < side; ++y) {
+      for (int z = 0; z < side; ++z) {
+        s.x.push_back(coordinate(x0 + x));
+        s.y.push_back(coordinate(y0 + y));
+        s.z.push_back(coordinate(z0 + z));
+      }
+    }
+  }
+  s.value.resize(s.x.size());
+  return s;
+}
+
+Box box_of(const glm::ivec3& at, int side) {
+  return {glm::dvec3(coordinate(at.x), coordinate(at.y), coordinate(at.z)),
+          glm::dvec3(coordinate(at.x + side - 1), coordinate(at.y + side - 1),
+                     coordinate(at.z + side - 1))};
+}
+
+struct Pruned {
+  Samples points;  // of one brick, moved about
+  std::vector<float> value = std::vector<float>(kSide * kSide * kSide);
+  std::size_t ops = 0;
+  std::size_t bricks = 0;
+};
+
+void brick(const Field& field, const glm::ivec3& at, Pruned& out) {
+  out.ops += field.size();
+  ++out.bricks;
+  std::array<float, 512> x;
+  std::array<float, 512> y;
+  std::array<float, 512> z;
+  std::array<float, 512> v;
+  for (int i = 0; i < 512; ++i) {
+    x[i] = coordinate(at.x + i / 64);
+    y[i] = coordinate(at.y + i / 8 % 8);
+    z[i] = coordinate(at.z + i % 8);
+  }
+  field.evaluate(512, x.data(), y.data(), z.data(), v.data());
+  for (int i = 0; i < 64; ++i) {
+    const int row = ((at.x + i / 8) * kSide + at.y + i % 8) * kSide + at.z;
+    std::memcpy(&out.value[row], &v[i * 8], 8 * sizeof(float));
+  }
+}
+
+void descend(const Field& field, const glm::ivec3& at, int side, Pruned& out) {
+  if (side == 8) return brick(field, at, out);
+  const int half = side / 2;
+  for (int i = 0; i < 8; ++i) {
+    const glm::ivec3 part = at + glm::ivec3(i >> 2 & 1, i >> 1 & 1, i & 1) * half;
+    descend(field.pruned(box_of(part, half)), part, half, out);
+  }
+}
+
+double seconds(const std::function<void()>& work) {
+  const std::clock_t start = std::clock();
+  work();
+  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+}
+
+double median(std::vector<double> t) {
+  std::sort(t.begin(), t.end());
+  return t[t.size() / 2];
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int repetitions = argc > 1 ? std::max(1, std::atoi(argv[1])) : 5;
+  std::mt19937 random(42);
+  const Both both = scene(0, kSolids, random);
+  Samples all = cube(0, 0, 0, kSide);
+  std::vector<float> tree(all.x.size());
+  Pruned pruned;
+  std::vector<double> t_tree;
+  std::vector<double> t_batch;
+  std::vector<double> t_pruned;
+  for (int r = 0; r < repetitions; ++r) {
+    t_tree.push_back(seconds([&] {
+      for (std::size_t i = 0; i < tree.size(); ++i) {
+        tree[i] = both.node->at(all.x[i], all.y[i], all.z[i]);
+      }
+    }));
+    t_batch.push_back(seconds([&] {
+      both.field.evaluate(all.x.size(), all.x.data(), all.y.data(), all.z.data(), all.value.data());
+    }));
+    pruned.ops = pruned.bricks = 0;
+    t_pruned.push_back(seconds([&] { descend(both.field, glm::ivec3(0), kSide, pruned); }));
+  }
+  double difference = 0;
+  for (std::size_t i = 0; i < tree.size(); ++i) {
+    difference = std::max(difference, std::fabs(static_cast<double>(tree[i]) - all.value[i]));
+  }
+  const bool same =
+      std::memcmp(pruned.value.data(), all.value.data(), tree.size() * sizeof(float)) == 0;
+  const double n = static_cast<double>(tree.size()) * 1e-9;
+  fmt::print("program of {} instructions, {:.1f} left a brick\n", both.field.size(),
+             static_cast<double>(pruned.ops) / static_cast<double>(pruned.bricks));
+  fmt::print("tree   {:7.2f} ns/point\n", median(t_tree) / n);
+  fmt::print("batch  {:7.2f} ns/point  {:5.1f} times  largest difference {:.2g}\n",
+             median(t_batch) / n, median(t_tree) / median(t_batch), difference);
+  fmt::print("pruned {:7.2f} ns/point  {:5.1f} times  {}\n", median(t_pruned) / n,
+             median(t_tree) / median(t_pruned), same ? "the same bits as batch" : "OTHER BITS");
+  return same ? 0 : 1;
+}

@@ -1,0 +1,103 @@
+// Bounds on the gradient over boxes, place by place.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "field/examples.h"
+#include "sdfgrid/core/error.h"
+#include "sdfgrid/field/local_bounds.h"
+
+namespace {
+
+using sdfgrid::Box;
+using sdfgrid::Field;
+using sdfgrid::make_field;
+
+double norm(const glm::dvec3& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
+
+glm::dvec3 random_point(const Box& box, std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  const glm::dvec3 t(unit(random), unit(random), unit(random));
+  return box.lo + t * box.size();
+}
+
+TEST(SlopeOfEveryOps, HoldsTheGradientsOfABox) {
+  for (const Example& e : examples()) {
+    if (e.op->info->guarantee == sdfgrid::OpGuarantee::estimate) continue;
+    std::mt19937 random(12);
+    const Box whole = example_box(e.field);
+    std::uniform_real_distribution<double> exponent(-3, 0);
+    for (int i = 0; i < 100; ++i) {
+      Box box;
+      const glm::dvec3 corner = random_point(whole, random);
+      box.add(corner);
+      box.add(corner + std::pow(10.0, exponent(random)) * (random_point(whole, random) - corner));
+      const double slope = e.field.slope(box);
+      ASSERT_LE(slope, 1) << e.op->info->name;
+      for (int k = 0; k < 20; ++k) {
+        const double here = norm(e.field.gradient(random_point(box, random)).gradient);
+        ASSERT_LE(here, slope * (1 + 1e-6) + 1e-9) << e.op->info->name;
+      }
+    }
+  }
+}
+
+Field twisted() {
+  return make_field("twist", {{"turns", 0.6}}, {make_field("box", {{"size", {2, 0.6, 2}}})});
+}
+
+// The bound is worth having: on the axis of a twist it is far below 1. The region's corners, whose
+// slope decides the scale, are 1.4 times as far out as the content reaches: the steepest place
+// within has 2/3 of it.
+TEST(LocalBounds, FollowTheField) {
+  const Field f = twisted();
+  const Box box = f.bounds();
+  const sdfgrid::LocalBounds bounds(f, box);
+  const auto axis = bounds.at(glm::dvec3(0.01, 0.01, 0.01));
+  EXPECT_LT(axis.slope, 0.5);
+  EXPECT_GT(axis.slope, 0.2);
+  double steepest = 0;
+  std::mt19937 random(13);
+  for (int i = 0; i < 20000; ++i) {
+    const glm::dvec3 p = random_point(box, random);
+    steepest = std::fmax(steepest, norm(f.gradient(p).gradient));
+  }
+  EXPECT_GT(steepest, 0.6);
+  EXPECT_LE(steepest, 1);
+}
+
+TEST(LocalBounds, HoldInTheirCells) {
+  const Field f = twisted();
+  const Box box = f.bounds();
+  const sdfgrid::LocalBounds bounds(f, box);
+  std::mt19937 random(14);
+  for (int i = 0; i < 20000; ++i) {
+    const glm::dvec3 p = random_point(box, random);
+    const auto cell = bounds.at(p);
+    for (int a = 0; a < 3; ++a) {
+      ASSERT_GE(p[a], cell.box.lo[a] - 1e-9);
+      ASSERT_LE(p[a], cell.box.hi[a] + 1e-9);
+    }
+    ASSERT_LE(norm(f.gradient(p).gradient), cell.slope * (1 + 1e-9));
+  }
+  // Built where it is asked, and no deeper than it pays.
+  EXPECT_LT(bounds.computed(), 37449U);
+  const sdfgrid::LocalBounds of_ball(make_field("sphere"), {glm::dvec3(-2), glm::dvec3(2)});
+  EXPECT_EQ(of_ball.at(glm::dvec3(0.3)).slope, 1);
+  EXPECT_EQ(of_ball.computed(), 1U);
+}
+
+TEST(Slope, IsRefusedWhereThereIsNone) {
+  try {
+    (void)make_field("twist", {{"turns", 1}}, {make_field("plane", {{"normal", {1, 0, 0}}})});
+    FAIL();
+  } catch (const sdfgrid::Error& error) {
+    EXPECT_EQ(
+        std::string(error.what()),
+        "twist: its slope is bounded only over a bounded region, but the node has no end along "
+        "x; intersect the node with a box");
+  }
+}
+
+}  // namespace
