@@ -68,16 +68,17 @@ Exit verdict(const Options& options, bool within, Context& context) {
   return within ? Exit::done : Exit::missed;
 }
 
-// What the grid's maker stated, beside what was measured.
-void check_stated(const Grid& grid, const Comparison& comparison, Context& context) {
+// What the grid's maker stated, beside what was measured: whether it holds.
+bool check_stated(const Grid& grid, const Comparison& comparison, Context& context) {
   const std::string text = grid.metadata("sdfgrid:max_error");
-  if (text.empty()) return;
+  if (text.empty()) return true;
   const double stated = std::strtod(text.c_str(), nullptr);
   const bool holds = comparison.within(stated);
   context.result()["stated_max_error"] = stated;
   context.result()["stated_holds"] = holds;
   context.print("the grid states an error of at most {:.3g} ({:.3g} voxel), which {}", stated,
                 stated / comparison.voxel, holds ? "holds" : "DOES NOT HOLD");
+  return holds;
 }
 
 void report(const Comparison& comparison, Context& context) {
@@ -142,8 +143,9 @@ Exit compare_with_mesh(const Grid& grid, const TriangleSoup& mesh, const Options
                        Context& context) {
   const Comparison comparison = compare(grid, mesh, options.compare, context.job());
   report(comparison, context);
-  check_stated(grid, comparison, context);
-  return verdict(options, comparison.within(options.tolerance.value_or(0)), context);
+  const bool holds = check_stated(grid, comparison, context);
+  const Exit asked = verdict(options, comparison.within(options.tolerance.value_or(0)), context);
+  return options.tolerance || holds ? asked : Exit::missed;
 }
 
 Exit run(const Options& options, Context& context) {
@@ -184,8 +186,9 @@ Run add_compare(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--tolerance", options->tolerance,
                  "exit with 3 if a stored value is off by more than this (world units) or has the "
-                 "wrong sign; for two meshes, if their distance is more")
-      ->check(CLI::NonNegativeNumber);
+                 "wrong sign; for two meshes, if their distance is more. If not given, the error "
+                 "that the grid states takes its place")
+      ->check(CLI::NonNegativeNumber & finite_number());
   return [options](Context& context) { return run(*options, context); };
 }
 

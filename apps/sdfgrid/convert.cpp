@@ -105,19 +105,19 @@ Run add_convert(CLI::App& app) {
   app.add_option("IN", options->input, "mesh: .obj, .ply, .stl, .off or .om")->required();
   add_output(app, options->output, {".vdb"});
   auto* voxel = app.add_option("--voxel", options->convert.voxel, "voxel size, world units")
-                    ->check(CLI::PositiveNumber);
+                    ->check(CLI::PositiveNumber & finite_number());
   app.add_option("--dim", options->convert.dim, "voxels along the longest side")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str()
       ->excludes(voxel);
   add_choice(app, "--method", options->method, kMethods, "how distances are made");
   app.add_option("--width", options->width, "half-width of the band, voxels")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(CLI::Range(1.0, 1000.0) & finite_number())
       ->capture_default_str();
   app.add_option("--exwidth", options->exwidth, "the same outside only")
-      ->check(CLI::Range(1.0, 1000.0));
+      ->check(CLI::Range(1.0, 1000.0) & finite_number());
   app.add_option("--inwidth", options->inwidth, "the same inside only")
-      ->check(CLI::Range(1.0, 1000.0));
+      ->check(CLI::Range(1.0, 1000.0) & finite_number());
   add_choice(app, "--sign", options->convert.sign, kSigns, "how inside and outside are told apart");
   app.add_option("--max-memory", options->convert.max_memory,
                  "refuse to take more than this, as in 8GB (default: 80 % of what is free)")

@@ -175,5 +175,7 @@ int main_with(int argc, char** argv) {
 int main(int argc, char** argv) {
   // A closed pipe must not end the program in the middle of an output file.
   std::signal(SIGPIPE, SIG_IGN);
+  // A write beyond the user's file size limit then fails like one to a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
   return sdfgrid::cli::main_with(argc, argv);
 }

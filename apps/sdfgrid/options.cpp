@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 
 #include "sdfgrid/core/error.h"
@@ -46,6 +47,16 @@ void check_output(const Output& output) {
     throw Error(ErrorKind::failed,
                 fmt::format("{}: the folder {} cannot be written", output.path, folder.string()));
   }
+}
+
+CLI::Validator finite_number() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        double value = 0;
+        const bool finite = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+        return finite ? std::string() : "'" + text + "' is not a finite number";
+      },
+      "");
 }
 
 std::string extension_of(const std::string& path) {

@@ -25,6 +25,9 @@ void add_output(CLI::App& app, Output& output, std::vector<std::string> extensio
 // where the folder cannot be written.
 void check_output(const Output& output);
 
+// A check for options: refuses nan and infinity, which comparisons with a range let pass.
+[[nodiscard]] CLI::Validator finite_number();
+
 // The extension of a path in lower case with its dot: "bunny.VDB" -> ".vdb".
 [[nodiscard]] std::string extension_of(const std::string& path);
 

@@ -92,19 +92,30 @@ void add_camera(CLI::App& app, Options& options) {
       ->default_str("y");
   app.add_option("--turn", options.view.turn, "degrees to go round the content, to the right")
       ->capture_default_str()
+      ->check(finite_number())
       ->excludes(eye);
   app.add_option("--tilt", options.view.tilt, "degrees to look from above")
       ->capture_default_str()
-      ->check(CLI::Range(-90.0, 90.0))
+      ->check(CLI::Range(-90.0, 90.0) & finite_number())
       ->excludes(eye);
   app.add_option("--fov", options.view.fov, "degrees that the picture's height spans")
       ->capture_default_str()
-      ->check(CLI::Range(0.01, 179.0));
+      ->check(CLI::Range(0.01, 179.0) & finite_number());
+}
+
+// Rays hit where the sign changes, which unsigned distances never do.
+Grid read_signed_grid(const std::string& path) {
+  Grid grid = read_grid(path);
+  if (grid.metadata("sdfgrid:sign") == "unsigned") {
+    throw input_error(path, "", "its distances have no sign, so that no ray can hit a surface",
+                      "convert the mesh with --sign winding, or render the mesh itself");
+  }
+  return grid;
 }
 
 // The grid itself, or the mesh converted: two pixels or so a voxel, finer would not show.
 Grid load(const Options& options, Context& context) {
-  if (extension_of(options.input) == ".vdb") return read_grid(options.input);
+  if (extension_of(options.input) == ".vdb") return read_signed_grid(options.input);
   const MeshFile mesh = read_mesh(options.input, context.job());
   for (const std::string& warning : mesh.warnings) context.warn(warning);
   ConvertOptions convert;
@@ -133,6 +144,12 @@ Camera choose_camera(const Options& options, std::vector<glm::dvec3> content) {
     for (const glm::dvec3& point : content) box.add(point);
     camera.target = options.target.value_or(box.center());
     camera.eye = *options.eye;
+    if (camera.eye == camera.target) {
+      throw Error(ErrorKind::usage,
+                  options.target ? "--eye and --target are the same point"
+                                 : "--eye is the content's middle, which the camera looks at "
+                                   "unless --target says otherwise");
+    }
   } else if (options.target) {
     camera.eye += *options.target - camera.target;
     camera.target = *options.target;
@@ -244,6 +261,9 @@ Exit run(const Options& options, Context& context) {
   write_image(options.output.path, make_image(options, atlas, r, job));
   watch.lap("write");
   report(options.output.path, r, watch, context);
+  if (!surroundings.points.empty() && context.result()["hits"] == 0) {
+    context.warn("no ray hits the surface; leave --eye and --target out to see all of it");
+  }
   return Exit::done;
 }
 

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <mutex>
@@ -54,6 +55,17 @@ class Registered {
   std::filesystem::path file_;
 };
 
+void write_bytes(const std::string& file, const std::string& shown,
+                 std::span<const std::byte> bytes) {
+  errno = 0;
+  std::FILE* out = std::fopen(file.c_str(), "wb");
+  bool ok = out != nullptr && std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
+  if (out != nullptr) ok = std::fclose(out) == 0 && ok;
+  if (!ok) {
+    throw Error(ErrorKind::failed, shown + ": cannot be written (" + std::strerror(errno) + ")");
+  }
+}
+
 }  // namespace
 
 void remove_temporaries() noexcept {
@@ -84,6 +96,11 @@ void write_atomically(const std::string& path,
     fs::remove(temporary, ignored);
     throw;
   }
+}
+
+void write_bytes_atomically(const std::string& path, std::span<const std::byte> bytes) {
+  write_atomically(path,
+                   [&](const std::string& temporary) { write_bytes(temporary, path, bytes); });
 }
 
 }  // namespace sdfgrid

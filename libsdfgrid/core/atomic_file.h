@@ -1,16 +1,22 @@
 // core/atomic_file.h: output files that appear whole or not at all.
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <span>
 #include <string>
 
 namespace sdfgrid {
 
 // Calls write(temporary), where `temporary` is a new name beside `path` with the same extension,
 // then flushes it to disk and renames it to `path`. If anything throws, the temporary is removed
-// and `path` is as it was. Throws Error{failed} if the folder cannot be written.
+// and `path` is as it was. Throws Error{failed} if the folder cannot be written. `write` must throw
+// if bytes did not arrive: a stream or a library that swallows a full disk makes half a file.
 void write_atomically(const std::string& path,
                       const std::function<void(const std::string& temporary)>& write);
+
+// The same for bytes that are at hand. Throws Error{failed} with the system's reason.
+void write_bytes_atomically(const std::string& path, std::span<const std::byte> bytes);
 
 // Removes the temporaries of calls that are under way, for a program that must end before they do;
 // what still writes to them then writes to nothing.

@@ -198,9 +198,9 @@ void check_memory(const TriangleSoup& soup, const Lattice& lattice, const Conver
       options.max_memory > 0 ? static_cast<double>(options.max_memory) : 0.8 * available_memory();
   if (estimate <= allowed) return;
   throw Error(ErrorKind::failed,
-              fmt::format("the conversion would take about {:.1f} GB, {:.1f} GB are allowed; use a "
+              fmt::format("the conversion would take about {:.0f} MB, {:.0f} MB are allowed; use a "
                           "larger voxel, a narrower band, or a higher --max-memory",
-                          1e-9 * estimate, 1e-9 * allowed));
+                          1e-6 * estimate, 1e-6 * allowed));
 }
 
 double surface_area(const TriangleSoup& soup) {

@@ -1,9 +1,12 @@
 // Reading and writing .vdb files; declared in grid.h.
 #include <fmt/format.h>
+#include <openvdb/io/Archive.h>
 #include <openvdb/io/File.h>
 
 #include <array>
+#include <cerrno>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -51,6 +54,16 @@ void make_identifier_reproducible(const std::string& path) {
   file.write(id.data(), kLength);
   if (!file.flush()) throw Error(ErrorKind::failed, path + ": cannot be written");
 }
+
+// openvdb::io::File opens its own stream and does not look whether the bytes arrived: on a full
+// disk it reports success. This one writes the same bytes to a stream that can be asked.
+class StreamArchive : public openvdb::io::Archive {
+ public:
+  void write_to(std::ostream& out, const openvdb::GridCPtrVec& grids) const {
+    constexpr bool kSeekable = true;
+    Archive::write(out, grids, kSeekable);
+  }
+};
 
 }  // namespace
 
@@ -100,10 +113,16 @@ void write_grid(const Grid& grid, const std::string& path) {
   check_storable(grid.lattice().voxel);
   write_atomically(path, [&](const std::string& temporary) {
     try {
-      openvdb::io::File file(temporary);
-      file.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
-      file.write(openvdb::GridCPtrVec{vdb(grid)});
+      std::ofstream file(temporary, std::ios::binary);
+      StreamArchive archive;
+      archive.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
+      archive.write_to(file, {vdb(grid)});
+      errno = 0;
       file.close();
+      if (!file) {
+        const std::string reason = errno != 0 ? std::strerror(errno) : "is the disk full?";
+        throw Error(ErrorKind::failed, path + ": cannot be written (" + reason + ")");
+      }
       make_identifier_reproducible(temporary);
     } catch (const openvdb::Exception& e) {
       throw Error(ErrorKind::failed, path + ": cannot be written (" + e.what() + ")");

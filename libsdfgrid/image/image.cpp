@@ -1,5 +1,6 @@
 #include "sdfgrid/image/image.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
@@ -7,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 
 #include "sdfgrid/core/atomic_file.h"
 #include "sdfgrid/core/error.h"
@@ -70,18 +72,22 @@ void check_png_channels(const std::string& path, const std::vector<std::string>&
   }
 }
 
-void save(const std::string& temporary, const std::string& shown, const OIIO::ImageSpec& spec,
-          OIIO::TypeDesc type, const void* data) {
+// The file's bytes. OpenImageIO writes to memory, since its PNG writer does not notice a full disk.
+std::vector<unsigned char> encode(const std::string& path, const OIIO::ImageSpec& spec,
+                                  OIIO::TypeDesc type, const void* data) {
   const auto fail = [&](const std::string& reason) {
-    throw Error(ErrorKind::failed, shown + ": cannot be written (" + reason + ")");
+    throw Error(ErrorKind::failed, path + ": cannot be written (" + reason + ")");
   };
   OIIO::attribute("threads", 1);  // threads are core/parallel's alone
   OIIO::attribute("exr_threads", -1);
-  const auto output = OIIO::ImageOutput::create(temporary);
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput memory(bytes);
+  const auto output = OIIO::ImageOutput::create(path, &memory);
   if (!output) fail(OIIO::geterror());
-  if (!output->open(temporary, spec)) fail(output->geterror());
+  if (!output->open(path, spec)) fail(output->geterror());
   if (!output->write_image(type, data)) fail(output->geterror());
   if (!output->close()) fail(output->geterror());
+  return bytes;
 }
 
 }  // namespace
@@ -114,13 +120,10 @@ void write_image(const std::string& path, const Image& image) {
   spec.channelnames = image.channels;
   spec.attribute("oiio:ColorSpace", png ? "sRGB" : "Linear");
   if (!png) spec.attribute("compression", "zip");
-  write_atomically(path, [&](const std::string& temporary) {
-    if (png) {
-      save(temporary, path, spec, OIIO::TypeDesc::UINT8, encode_8bit(image).data());
-    } else {
-      save(temporary, path, spec, OIIO::TypeDesc::FLOAT, image.pixels.data());
-    }
-  });
+  const std::vector<unsigned char> bytes =
+      png ? encode(path, spec, OIIO::TypeDesc::UINT8, encode_8bit(image).data())
+          : encode(path, spec, OIIO::TypeDesc::FLOAT, image.pixels.data());
+  write_bytes_atomically(path, std::as_bytes(std::span(bytes)));
 }
 
 Image read_image(const std::string& path) {

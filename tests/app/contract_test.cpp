@@ -154,5 +154,26 @@ TEST_F(Contract, AFullDiskUnderTheResultIsAFailure) {
   EXPECT_EQ(WEXITSTATUS(status), 1);
 }
 
+// A limit on the size of files stands for a disk that fills up in the middle of one: every library
+// that writes a file must notice, and nothing may be left of it.
+TEST_F(Contract, AFullDiskUnderTheOutputIsAFailureAndLeavesNoFile) {
+  const std::string binary = SDFGRID_BINARY;
+  ASSERT_EQ(run({"convert", cube_, "-o", grid_, "--dim", "64"}).exit, 0);
+  const std::string before = read_file(grid_);
+  const std::vector<std::string> commands = {
+      "convert " + cube_ + " -o " + grid_ + " --dim 200 --force",
+      "render " + grid_ + " -o " + folder_.path("cube.png") + " --size 500x500",
+      "render " + grid_ + " -o " + folder_.path("cube.exr") + " --size 500x500"};
+  const std::vector<std::string> files = folder_.files();
+  for (const std::string& command : commands) {
+    const int status = std::system(
+        ("ulimit -f 40; " + binary + " " + command + " --quiet >/dev/null 2>&1").c_str());
+    ASSERT_TRUE(WIFEXITED(status)) << command;
+    EXPECT_EQ(WEXITSTATUS(status), 1) << command;
+    EXPECT_EQ(folder_.files(), files) << command;
+  }
+  EXPECT_EQ(read_file(grid_), before);
+}
+
 }  // namespace
 }  // namespace sdfgrid::test
