@@ -25,3 +25,17 @@ if(NOT TARGET sdfgrid::OpenImageIO)
     INTERFACE_INCLUDE_DIRECTORIES "${OpenImageIO_INCLUDE_DIR};${Imath_INCLUDE_DIR}"
     INTERFACE_LINK_LIBRARIES "${OpenImageIO_LIBRARY};${OpenImageIO_Util_LIBRARY}")
 endif()
+
+# teem reads NRRD, libnifti NIfTI. Debian's teem has no CMake package that works, and libnifti's
+# names tools that are not installed with it.
+find_path(teem_INCLUDE_DIR teem/nrrd.h REQUIRED)
+find_library(teem_LIBRARY teem REQUIRED)
+find_path(nifti_INCLUDE_DIR nifti/nifti2_io.h REQUIRED)
+find_library(nifti_LIBRARY nifti2 REQUIRED)
+find_library(znz_LIBRARY znz REQUIRED)
+if(NOT TARGET sdfgrid::volume_files)
+  add_library(sdfgrid::volume_files INTERFACE IMPORTED)
+  set_target_properties(sdfgrid::volume_files PROPERTIES
+    INTERFACE_INCLUDE_DIRECTORIES "${teem_INCLUDE_DIR};${nifti_INCLUDE_DIR}/nifti"
+    INTERFACE_LINK_LIBRARIES "${teem_LIBRARY};${nifti_LIBRARY};${znz_LIBRARY}")
+endif()

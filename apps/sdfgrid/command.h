@@ -114,5 +114,6 @@ Run add_compare(CLI::App& app);
 Run add_convert(CLI::App& app);
 Run add_info(CLI::App& app);
 Run add_render(CLI::App& app);
+Run add_transform(CLI::App& app);
 
 }  // namespace sdfgrid::cli

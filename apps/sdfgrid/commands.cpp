@@ -5,10 +5,13 @@ namespace sdfgrid::cli {
 namespace {
 
 constexpr Command kCommands[] = {
-    {"convert", "IN -o OUT.vdb", "turn a mesh into a sparse distance grid", add_convert},
+    {"convert", "IN -o OUT.vdb", "turn a mesh or a volume into a sparse distance grid",
+     add_convert},
     {"compare", "A B", "measure a grid against a mesh, or two of either", add_compare},
-    {"info", "FILE", "say what a mesh or a grid holds", add_info},
-    {"render", "IN -o OUT.png|.exr", "show a grid or a mesh in a picture", add_render},
+    {"info", "FILE", "say what a mesh, a volume or a grid holds", add_info},
+    {"transform", "VOLUME -o OUT", "make a distance transform of a mask, labels or grey values",
+     add_transform},
+    {"render", "IN -o OUT.png|.exr", "show a grid, a mesh or a volume in a picture", add_render},
 };
 
 }  // namespace

@@ -8,10 +8,10 @@
 #include <variant>
 
 #include "command.h"
+#include "inputs.h"
 #include "options.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/grid/grid.h"
-#include "sdfgrid/mesh/read.h"
 
 namespace sdfgrid::cli {
 namespace {
@@ -21,15 +21,16 @@ struct Options {
   std::string b;
   CompareOptions compare;
   std::optional<double> tolerance;
+  SurfaceOptions surface;
 };
 
 using Shape = std::variant<Grid, TriangleSoup>;
 
-Shape load(const std::string& path, Context& context) {
+Shape load(const std::string& path, const Options& options, Context& context) {
   if (extension_of(path) == ".vdb") return read_grid(path);
-  MeshFile file = read_mesh(path, context.job());
-  for (const std::string& warning : file.warnings) context.warn(path + ": " + warning);
-  return std::move(file.soup);
+  SurfaceOptions surface = options.surface;
+  if (!names_volume(path)) surface.iso.reset();  // it is for the other one
+  return load_surface(path, surface, context).soup;
 }
 
 // The keys of the contract for one summary; `voxel` is 0 where there is no grid.
@@ -150,8 +151,8 @@ Exit compare_with_mesh(const Grid& grid, const TriangleSoup& mesh, const Options
 
 Exit run(const Options& options, Context& context) {
   Stopwatch watch;
-  const Shape a = load(options.a, context);
-  const Shape b = load(options.b, context);
+  const Shape a = load(options.a, options, context);
+  const Shape b = load(options.b, options, context);
   watch.lap("read");
   const auto measure = [&] {
     const auto* grid_a = std::get_if<Grid>(&a);
@@ -177,8 +178,8 @@ Exit run(const Options& options, Context& context) {
 
 Run add_compare(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  app.add_option("A", options->a, "grid (.vdb) or mesh")->required();
-  app.add_option("B", options->b, "grid (.vdb) or mesh")->required();
+  app.add_option("A", options->a, "grid (.vdb), mesh, or volume")->required();
+  app.add_option("B", options->b, "grid (.vdb), mesh, or volume")->required();
   app.add_option("--samples", options->compare.samples, "voxels, and places between, to measure at")
       ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 32))
       ->capture_default_str();
@@ -189,6 +190,7 @@ Run add_compare(CLI::App& app) {
                  "wrong sign; for two meshes, if their distance is more. If not given, the error "
                  "that the grid states takes its place")
       ->check(CLI::NonNegativeNumber & finite_number());
+  add_surface_options(app, options->surface);
   return [options](Context& context) { return run(*options, context); };
 }
 

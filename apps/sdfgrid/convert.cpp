@@ -1,12 +1,16 @@
-// sdfgrid convert: a mesh to a sparse distance grid.
+// sdfgrid convert: a mesh, or a surface in a volume, to a sparse distance grid.
 #include "sdfgrid/grid/convert.h"
 
+#include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "command.h"
+#include "inputs.h"
 #include "options.h"
 #include "sdfgrid/core/error.h"
-#include "sdfgrid/mesh/read.h"
+#include "sdfgrid/grid/dense.h"
+#include "sdfgrid/volume/write.h"
 
 namespace sdfgrid::cli {
 namespace {
@@ -21,6 +25,8 @@ struct Options {
   double width = 3.0;
   double exwidth = 0;  // 0: as --width
   double inwidth = 0;
+  std::optional<int> dim;
+  SurfaceOptions surface;
 };
 
 const std::vector<std::pair<std::string, Method>> kMethods = {{"exact", Method::exact}};
@@ -67,34 +73,62 @@ void stamp(Grid& grid, const Conversion& conversion, const std::string& source) 
   grid.set_metadata("sdfgrid:version", SDFGRID_VERSION);
 }
 
+// The voxel size asked for; a volume's own if nothing is said.
+ConvertOptions convert_options(const Options& options, const Surface& surface) {
+  ConvertOptions convert = options.convert;
+  convert.band = band_of(options);
+  if (options.dim) {
+    convert.dim = *options.dim;
+  } else if (convert.voxel == 0) {
+    convert.voxel = surface.spacing;
+  }
+  return convert;
+}
+
+// As a grid, or as all samples of the box around the band.
+void write(const Grid& grid, const std::string& path, const Job& job) {
+  const auto& dense = volume_extensions();
+  if (std::find(dense.begin(), dense.end(), extension_of(path)) == dense.end()) {
+    return write_grid(grid, path);
+  }
+  write_volume(to_volume(grid), path, job);
+}
+
+void report_seconds(const Surface& surface, const Conversion& conversion, Json seconds,
+                    Context& context) {
+  const double write_seconds = seconds["write"];
+  seconds = {{"read", surface.read_seconds},
+             {"isosurface", surface.isosurface_seconds},
+             {"sign", conversion.seconds.sign},
+             {"voxelize", conversion.seconds.voxelize},
+             {"transform", conversion.seconds.assemble},
+             {"write", write_seconds},
+             {"total", seconds["total"]}};
+  context.result()["seconds"] = seconds;
+  context.print(
+      "read {:.3f} s, isosurface {:.3f} s, sign {:.3f} s, voxelize {:.3f} s, assemble {:.3f} s, "
+      "write {:.3f} s",
+      surface.read_seconds, surface.isosurface_seconds, conversion.seconds.sign,
+      conversion.seconds.voxelize, conversion.seconds.assemble, write_seconds);
+}
+
 Exit run(const Options& options, Context& context) {
   check_output(options.output);
   Stopwatch watch;
-  const MeshFile mesh = read_mesh(options.input, context.job());
-  for (const std::string& warning : mesh.warnings) context.warn(warning);
+  const Surface surface = load_surface(options.input, options.surface, context);
   watch.lap("read");
-  ConvertOptions convert = options.convert;
-  convert.band = band_of(options);
-  check_storable(choose_lattice(mesh.soup, convert).voxel);
-  Conversion conversion = convert_mesh(mesh.soup, convert, context.job());
+  const ConvertOptions convert = convert_options(options, surface);
+  check_storable(choose_lattice(surface.soup, convert).voxel);
+  Conversion conversion = convert_mesh(surface.soup, convert, context.job());
   for (const std::string& warning : conversion.warnings) context.warn(warning);
   watch.lap("convert");
   stamp(conversion.grid, conversion, options.input);
   context.job().report("write", 0.0);
   context.job().checkpoint();
-  write_grid(conversion.grid, options.output.path);
+  write(conversion.grid, options.output.path, context.job());
   watch.lap("write");
   describe(conversion, options, context);
-  Json seconds = watch.seconds();
-  seconds.erase("convert");
-  seconds["sign"] = conversion.seconds.sign;
-  seconds["voxelize"] = conversion.seconds.voxelize;
-  seconds["transform"] = conversion.seconds.assemble;
-  context.result()["seconds"] = seconds;
-  context.print(
-      "read {:.3f} s, sign {:.3f} s, voxelize {:.3f} s, assemble {:.3f} s, write {:.3f} s",
-      seconds["read"].get<double>(), conversion.seconds.sign, conversion.seconds.voxelize,
-      conversion.seconds.assemble, seconds["write"].get<double>());
+  report_seconds(surface, conversion, watch.seconds(), context);
   return Exit::done;
 }
 
@@ -102,13 +136,17 @@ Exit run(const Options& options, Context& context) {
 
 Run add_convert(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  app.add_option("IN", options->input, "mesh: .obj, .ply, .stl, .off or .om")->required();
-  add_output(app, options->output, {".vdb"});
+  app.add_option("IN", options->input, "mesh (.obj, .ply, .stl, .off, .om), or volume (see --iso)")
+      ->required();
+  std::vector<std::string> extensions = grid_extensions();
+  extensions.insert(extensions.end(), volume_extensions().begin(), volume_extensions().end());
+  add_output(app, options->output, extensions);
+  add_surface_options(app, options->surface);
   auto* voxel = app.add_option("--voxel", options->convert.voxel, "voxel size, world units")
                     ->check(CLI::PositiveNumber & finite_number());
-  app.add_option("--dim", options->convert.dim, "voxels along the longest side")
+  app.add_option("--dim", options->dim,
+                 "voxels along the longest side; 256 for a mesh, a volume's own if not given")
       ->check(CLI::Range(1, 100000))
-      ->capture_default_str()
       ->excludes(voxel);
   add_choice(app, "--method", options->method, kMethods, "how distances are made");
   app.add_option("--width", options->width, "half-width of the band, voxels")

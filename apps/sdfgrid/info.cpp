@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "command.h"
+#include "inputs.h"
 #include "options.h"
 #include "sdfgrid/grid/grid.h"
 #include "sdfgrid/mesh/diagnose.h"
@@ -16,6 +17,7 @@ namespace {
 
 struct Options {
   std::string input;
+  VolumeOptions volume;
 };
 
 Json triple(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
@@ -131,7 +133,39 @@ void report_grid(const Grid& grid, Context& context) {
   report_metadata(grid, lattice.voxel, context);
 }
 
+void report_volume(const VolumeFile& file, Context& context) {
+  const Volume& volume = file.volume;
+  Json& result = context.result();
+  result["kind"] = "volume";
+  result["format"] = file.format;
+  context.print("volume     {}, samples of type {}", file.format, type_name(volume.samples));
+  Box box;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::ivec3 upper(corner & 1, corner >> 1 & 1, corner >> 2);
+    box.add(volume.to_world(glm::dvec3(upper * (volume.dims - 1))));
+  }
+  report_bounds(box, context);
+  result["dims"] = {volume.dims.x, volume.dims.y, volume.dims.z};
+  result["samples"] = volume.size();
+  result["type"] = type_name(volume.samples);
+  result["spacing"] = triple(volume.spacing);
+  result["origin"] = triple(volume.origin);
+  result["axes"] = {triple(volume.axes[0]), triple(volume.axes[1]), triple(volume.axes[2])};
+  const SampleRange range = sample_range(volume, context.job());
+  result["range"] = {range.lo, range.hi};
+  context.print("samples    {} x {} x {}, {:.6g} to {:.6g}", volume.dims.x, volume.dims.y,
+                volume.dims.z, range.lo, range.hi);
+  context.print("spacing    {:.9g} {:.9g} {:.9g}, sample 0 at {:.9g} {:.9g} {:.9g}{}",
+                volume.spacing.x, volume.spacing.y, volume.spacing.z, volume.origin.x,
+                volume.origin.y, volume.origin.z,
+                volume.axis_aligned() ? "" : ", axes turned or mirrored");
+}
+
 Exit run(const Options& options, Context& context) {
+  if (names_volume(options.input)) {
+    report_volume(load_volume(options.input, options.volume, context), context);
+    return Exit::done;
+  }
   if (extension_of(options.input) == ".vdb") {
     report_grid(read_grid(options.input), context);
     return Exit::done;
@@ -146,8 +180,10 @@ Exit run(const Options& options, Context& context) {
 
 Run add_info(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  app.add_option("FILE", options->input, "mesh (.obj, .ply, .stl, .off, .om) or grid (.vdb)")
+  app.add_option("FILE", options->input,
+                 "mesh (.obj, .ply, .stl, .off, .om), volume or grid (.vdb)")
       ->required();
+  add_volume_options(app, options->volume);
   return [options](Context& context) { return run(*options, context); };
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "command.h"
+#include "inputs.h"
 #include "options.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
@@ -14,7 +15,6 @@
 #include "sdfgrid/grid/convert.h"
 #include "sdfgrid/grid/grid.h"
 #include "sdfgrid/image/image.h"
-#include "sdfgrid/mesh/read.h"
 #include "sdfgrid/trace/camera.h"
 #include "sdfgrid/trace/curvature.h"
 #include "sdfgrid/trace/shade.h"
@@ -34,20 +34,10 @@ struct Options {
   View view;
   std::vector<std::string> aovs;
   Look look;
+  SurfaceOptions surface;
 };
 
 const std::vector<std::string> kAovs = {"depth", "normal", "steps", "id", "curvature"};
-
-glm::dvec3 parse_vector(const std::string& option, const std::string& text) {
-  glm::dvec3 v;
-  int used = 0;
-  const bool three = std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &v.x, &v.y, &v.z, &used) == 3;
-  const bool finite = std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-  if (!three || static_cast<std::size_t>(used) != text.size() || !finite) {
-    throw CLI::ValidationError(option, "'" + text + "' is not three numbers as in 1,0.5,-2");
-  }
-  return v;
-}
 
 glm::dvec3 parse_direction(const std::string& option, const std::string& text) {
   const bool minus = text.size() == 2 && text[0] == '-';
@@ -113,15 +103,16 @@ Grid read_signed_grid(const std::string& path) {
   return grid;
 }
 
-// The grid itself, or the mesh converted: two pixels or so a voxel, finer would not show.
+// The grid itself, or the surface converted: two pixels or so a voxel, finer would not show.
 Grid load(const Options& options, Context& context) {
-  if (extension_of(options.input) == ".vdb") return read_signed_grid(options.input);
-  const MeshFile mesh = read_mesh(options.input, context.job());
-  for (const std::string& warning : mesh.warnings) context.warn(warning);
+  if (extension_of(options.input) == ".vdb" && !options.surface.iso) {
+    return read_signed_grid(options.input);
+  }
+  const Surface surface = load_surface(options.input, options.surface, context);
   ConvertOptions convert;
   const int pixels = std::max(options.width, options.height);
   convert.dim = options.dim > 0 ? options.dim : std::clamp(pixels / 2, 64, 2048);
-  Conversion conversion = convert_mesh(mesh.soup, convert, context.job());
+  Conversion conversion = convert_mesh(surface.soup, convert, context.job());
   for (const std::string& warning : conversion.warnings) context.warn(warning);
   return conversion.grid;
 }
@@ -273,7 +264,7 @@ Run add_render(CLI::App& app) {
   auto options = std::make_shared<Options>();
   options->view.margin = 0.1;
   options->view.fov = 30;
-  app.add_option("IN", options->input, "grid (.vdb) or mesh to show")->required();
+  app.add_option("IN", options->input, "grid (.vdb), mesh, or volume to show")->required();
   add_output(app, options->output, image_extensions());
   app.add_option_function<std::string>(
          "--size",
@@ -281,10 +272,12 @@ Run add_render(CLI::App& app) {
          "pixels of the picture")
       ->type_name("WxH")
       ->default_str("1024x1024");
-  app.add_option("--dim", options->dim,
-                 "voxels along a mesh's longest side; half the picture's size if not given")
+  app.add_option(
+         "--dim", options->dim,
+         "voxels along the longest side of a mesh or volume; half the picture's size if not given")
       ->check(CLI::Range(2, 1 << 20));
   add_camera(app, *options);
+  add_surface_options(app, options->surface);
   app.add_option("--aov", options->aovs, "further channels of an .exr: " + one_of(kAovs))
       ->delimiter(',')
       ->allow_extra_args(false)

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <openvdb/io/io.h>
 #include <openvdb/tools/SignedFloodFill.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -12,13 +11,13 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <memory>
 #include <sstream>
 
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/core/memory.h"
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/grid/vdb.h"
 #include "sdfgrid/voxelize/empty_space.h"
@@ -178,18 +177,6 @@ void fill_interior(openvdb::FloatGrid& grid, float in_background, const SignedMe
     const float value = leaf->getFirstValue();
     grid.tree().addTile(1, origin, value, false);
   }
-}
-
-// Bytes that the machine can still hand out, the page cache included.
-double available_memory() {
-  std::ifstream info("/proc/meminfo");
-  std::string word;
-  while (info >> word) {
-    double kilobytes = 0;
-    if (word == "MemAvailable:" && info >> kilobytes) return 1024 * kilobytes;
-  }
-  return static_cast<double>(::sysconf(_SC_PHYS_PAGES)) *
-         static_cast<double>(::sysconf(_SC_PAGESIZE));
 }
 
 void check_memory(const TriangleSoup& soup, const Lattice& lattice, const ConvertOptions& options) {

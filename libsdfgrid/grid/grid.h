@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "sdfgrid/core/lattice.h"
 
@@ -52,11 +53,19 @@ class Grid {
 // else the first float grid. Throws Error{input} if there is none or its transform is not uniform.
 [[nodiscard]] Grid read_grid(const std::string& path);
 
+// Reads a scalar field, such as fog: the grid called `density`, else the first float grid that is
+// no level set, else the first float grid. Throws as read_grid() does.
+[[nodiscard]] Grid read_scalar_grid(const std::string& path);
+
 // Throws Error{usage} if a .vdb file cannot hold voxels of that size (below 1.45e-5 units).
 void check_storable(double voxel);
 
-// Writes `grid` to `path` (blosc-compressed .vdb), which appears whole or not at all: it is written
-// beside its place and renamed. Throws Error{failed}.
+// The extensions that write_grid knows, lower case with the dot.
+[[nodiscard]] const std::vector<std::string>& grid_extensions();
+
+// Writes `grid` to `path`, as blosc-compressed OpenVDB or, if it is named .nvdb, as uncompressed
+// NanoVDB. The file appears whole or not at all: it is written beside its place and renamed. Throws
+// Error{failed}.
 void write_grid(const Grid& grid, const std::string& path);
 
 }  // namespace sdfgrid

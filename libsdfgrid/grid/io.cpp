@@ -14,6 +14,7 @@
 #include "sdfgrid/core/atomic_file.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/grid/grid.h"
+#include "sdfgrid/grid/nanovdb.h"
 #include "sdfgrid/grid/vdb.h"
 
 namespace sdfgrid {
@@ -24,6 +25,13 @@ int suitability(const openvdb::GridBase& grid) {
   if (!grid.isType<openvdb::FloatGrid>()) return 0;
   if (grid.getName() == "surface") return 3;
   return grid.getGridClass() == openvdb::GRID_LEVEL_SET ? 2 : 1;
+}
+
+// The same for scalar fields such as fog.
+int suitability_as_scalars(const openvdb::GridBase& grid) {
+  if (!grid.isType<openvdb::FloatGrid>()) return 0;
+  if (grid.getName() == "density") return 3;
+  return grid.getGridClass() == openvdb::GRID_LEVEL_SET ? 1 : 2;
 }
 
 // OpenVDB gives every file a random identifier, so that the same grid never has the same bytes
@@ -65,9 +73,8 @@ class StreamArchive : public openvdb::io::Archive {
   }
 };
 
-}  // namespace
-
-Grid read_grid(const std::string& path) {
+// The grid of the file that suits best.
+Grid read_best(const std::string& path, int (*score_of)(const openvdb::GridBase& grid)) {
   openvdb::initialize();
   if (!std::filesystem::exists(path)) {
     throw input_error(path, "", "no such file", "check the path");
@@ -80,7 +87,7 @@ Grid read_grid(const std::string& path) {
     int best_score = 0;
     // Names as the file's index has them: several grids may share one otherwise.
     for (auto at = file.beginName(); at != file.endName(); ++at) {
-      const int score = suitability(*file.readGridMetadata(at.gridName()));
+      const int score = score_of(*file.readGridMetadata(at.gridName()));
       if (score > best_score) {
         best_score = score;
         name = at.gridName();
@@ -98,6 +105,23 @@ Grid read_grid(const std::string& path) {
   return from_vdb(openvdb::gridPtrCast<openvdb::FloatGrid>(best), path);
 }
 
+void write_openvdb(const Grid& grid, std::ostream& out) {
+  StreamArchive archive;
+  archive.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
+  archive.write_to(out, {vdb(grid)});
+}
+
+}  // namespace
+
+Grid read_grid(const std::string& path) { return read_best(path, suitability); }
+
+Grid read_scalar_grid(const std::string& path) { return read_best(path, suitability_as_scalars); }
+
+const std::vector<std::string>& grid_extensions() {
+  static const std::vector<std::string> all = {".vdb", ".nvdb"};
+  return all;
+}
+
 void check_storable(double voxel) {
   // OpenVDB takes a transform whose determinant is below 3e-15 for singular.
   constexpr double kSmallest = 1.45e-5;
@@ -111,19 +135,22 @@ void check_storable(double voxel) {
 
 void write_grid(const Grid& grid, const std::string& path) {
   check_storable(grid.lattice().voxel);
+  const bool nano = path.ends_with(".nvdb");
   write_atomically(path, [&](const std::string& temporary) {
     try {
       std::ofstream file(temporary, std::ios::binary);
-      StreamArchive archive;
-      archive.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
-      archive.write_to(file, {vdb(grid)});
+      if (nano) {
+        write_nanovdb(grid, file);
+      } else {
+        write_openvdb(grid, file);
+      }
       errno = 0;
       file.close();
       if (!file) {
         const std::string reason = errno != 0 ? std::strerror(errno) : "is the disk full?";
         throw Error(ErrorKind::failed, path + ": cannot be written (" + reason + ")");
       }
-      make_identifier_reproducible(temporary);
+      if (!nano) make_identifier_reproducible(temporary);
     } catch (const openvdb::Exception& e) {
       throw Error(ErrorKind::failed, path + ": cannot be written (" + e.what() + ")");
     }

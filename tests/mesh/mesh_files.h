@@ -70,7 +70,7 @@ inline std::string text_of(const glm::dvec3& p) {
 }
 
 template <class T>
-std::string bytes_of(T value, std::endian order) {
+std::string bytes_of(T value, std::endian order = std::endian::little) {
   std::string bytes(sizeof(T), '\0');
   std::memcpy(bytes.data(), &value, sizeof(T));
   if (order != std::endian::native) bytes.assign(bytes.rbegin(), bytes.rend());

@@ -1,0 +1,141 @@
+#include "inputs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "options.h"
+#include "sdfgrid/core/error.h"
+#include "sdfgrid/grid/dense.h"
+#include "sdfgrid/grid/grid.h"
+#include "sdfgrid/image/stack.h"
+#include "sdfgrid/mesh/read.h"
+#include "sdfgrid/volume/isosurface.h"
+
+namespace sdfgrid::cli {
+namespace {
+
+glm::ivec3 parse_dims(const std::string& text) {
+  const glm::dvec3 v = parse_vector("--raw-dims", text);
+  const glm::ivec3 dims(v);
+  if (glm::dvec3(dims) != v || dims.x < 1 || dims.y < 1 || dims.z < 1) {
+    throw CLI::ValidationError("--raw-dims", "'" + text + "' is not a size as in 256,256,108");
+  }
+  return dims;
+}
+
+glm::dvec3 parse_spacing(const std::string& text) {
+  const glm::dvec3 v = parse_vector("--spacing", text);
+  if (!(v.x > 0 && v.y > 0 && v.z > 0)) {
+    throw CLI::ValidationError("--spacing", "'" + text + "' must be three numbers above 0");
+  }
+  return v;
+}
+
+VolumeFile read_any_volume(const std::string& path, const VolumeOptions& options,
+                           Context& context) {
+  if (extension_of(path) == ".vdb") {
+    VolumeFile file;
+    file.format = "OpenVDB";
+    file.volume = to_volume(read_scalar_grid(path), 1);
+    return file;
+  }
+  if (is_stack_name(path)) return read_image_stack(path, context.job());
+  std::optional<RawLayout> raw;
+  if (options.raw_dims) {
+    raw = options.raw;
+    raw->dims = *options.raw_dims;
+  } else if (extension_of(path) == ".raw") {
+    throw Error(ErrorKind::usage,
+                path + ": a raw file says nothing of itself; give --raw-dims X,Y,Z and --raw-type");
+  }
+  return read_volume(path, raw, context.job());
+}
+
+}  // namespace
+
+glm::dvec3 parse_vector(const std::string& option, const std::string& text) {
+  glm::dvec3 v;
+  int used = 0;
+  const bool three = std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &v.x, &v.y, &v.z, &used) == 3;
+  const bool finite = std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+  if (!three || static_cast<std::size_t>(used) != text.size() || !finite) {
+    throw CLI::ValidationError(option, "'" + text + "' is not three numbers as in 1,0.5,-2");
+  }
+  return v;
+}
+
+void add_volume_options(CLI::App& app, VolumeOptions& options) {
+  app.add_option_function<std::string>(
+         "--spacing",
+         [&options](const std::string& text) { options.spacing = parse_spacing(text); },
+         "distance between a volume's samples, instead of what its file says")
+      ->type_name("X,Y,Z");
+  auto* dims = app.add_option_function<std::string>(
+                      "--raw-dims",
+                      [&options](const std::string& text) { options.raw_dims = parse_dims(text); },
+                      "shape of a .raw file, whose first axis runs fastest")
+                   ->type_name("X,Y,Z");
+  std::vector<std::pair<std::string, std::string>> types;
+  for (const std::string& name : type_names()) types.emplace_back(name, name);
+  add_choice(app, "--raw-type", options.raw.type, types, "its samples")->needs(dims);
+  app.add_flag("--raw-big-endian", options.raw.big_endian, "the greatest byte comes first")
+      ->needs(dims);
+  app.add_option("--raw-skip", options.raw.skip, "bytes before its first sample")->needs(dims);
+}
+
+bool names_volume(const std::string& path) { return is_volume_name(path) || is_stack_name(path); }
+
+VolumeFile load_volume(const std::string& path, const VolumeOptions& options, Context& context) {
+  VolumeFile file = read_any_volume(path, options, context);
+  for (const std::string& warning : file.warnings) context.warn(path + ": " + warning);
+  if (options.spacing) file.volume.spacing = *options.spacing;
+  return file;
+}
+
+void add_surface_options(CLI::App& app, SurfaceOptions& options) {
+  app.add_option("--iso", options.iso,
+                 "value of a volume's samples at its surface; inside are those at or above it")
+      ->check(finite_number())
+      ->type_name("V");
+  app.add_flag("--below", options.inside_below, "inside are the samples below --iso instead");
+  add_volume_options(app, options.volume);
+}
+
+bool gives_volume(const std::string& path, const SurfaceOptions& options) {
+  return names_volume(path) || (options.iso && extension_of(path) == ".vdb");
+}
+
+Surface load_surface(const std::string& path, const SurfaceOptions& options, Context& context) {
+  const Job& job = context.job();
+  Stopwatch watch;
+  Surface surface;
+  if (!gives_volume(path, options)) {
+    if (options.iso) throw Error(ErrorKind::usage, path + ": --iso is for volumes, not meshes");
+    MeshFile mesh = read_mesh(path, job);
+    for (const std::string& warning : mesh.warnings) context.warn(path + ": " + warning);
+    surface.soup = std::move(mesh.soup);
+    surface.source = "mesh";
+    surface.read_seconds = watch.seconds()["total"];
+    return surface;
+  }
+  const VolumeFile file = load_volume(path, options.volume, context);
+  watch.lap("read");
+  if (!options.iso) {
+    const SampleRange range = sample_range(file.volume, job);
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: give --iso V, the value at the surface; samples are {:.6g} to "
+                            "{:.6g}",
+                            path, range.lo, range.hi));
+  }
+  surface.source = "volume";
+  const glm::dvec3& spacing = file.volume.spacing;
+  surface.spacing = std::min({spacing.x, spacing.y, spacing.z});
+  surface.soup = isosurface(file.volume, {*options.iso, !options.inside_below}, job);
+  watch.lap("isosurface");
+  surface.read_seconds = watch.seconds()["read"];
+  surface.isosurface_seconds = watch.seconds()["isosurface"];
+  return surface;
+}
+
+}  // namespace sdfgrid::cli

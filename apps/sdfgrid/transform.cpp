@@ -1,0 +1,168 @@
+// sdfgrid transform: the distance transform of a mask, of labels or of a grey volume.
+#include "sdfgrid/transform/transform.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "command.h"
+#include "inputs.h"
+#include "options.h"
+#include "sdfgrid/core/error.h"
+#include "sdfgrid/grid/dense.h"
+#include "sdfgrid/grid/grid.h"
+#include "sdfgrid/volume/write.h"
+
+namespace sdfgrid::cli {
+namespace {
+
+struct Options {
+  std::string input;
+  Output output;
+  VolumeOptions volume;
+  std::optional<double> label;
+  std::optional<double> iso;
+  TransformOptions transform;
+};
+
+// transform.h counts samples with the last axis fastest, volumes with the first: the same samples,
+// if the axes are named the other way round.
+glm::ivec3 reversed(const glm::ivec3& v) { return {v.z, v.y, v.x}; }
+glm::dvec3 reversed(const glm::dvec3& v) { return {v.z, v.y, v.x}; }
+
+// How far outside --iso each sample is.
+std::vector<float> levels(const Volume& volume, double iso, const Job& job) {
+  std::vector<float> values = as_floats(volume.samples, job);
+  for (float& v : values) v = static_cast<float>(iso - double(v));
+  return values;
+}
+
+// Samples of the volume are replaced by their distances.
+void transform_in_place(const Options& options, Volume& volume, const Job& job) {
+  std::vector<std::uint8_t> mask;
+  std::vector<float> values;
+  if (options.iso && options.transform.method != TransformMethod::meijster) {
+    values = levels(volume, *options.iso, job);
+  } else if (options.iso) {
+    mask = mask_above(volume, *options.iso, job);
+  } else if (options.label) {
+    mask = mask_of_label(volume, *options.label, job);
+  } else {
+    mask = mask_of_nonzero(volume, job);
+  }
+  volume.samples = std::vector<float>();
+  DenseSeeds seeds;
+  seeds.dims = reversed(volume.dims);
+  seeds.spacing = reversed(volume.spacing);
+  seeds.mask = mask;
+  seeds.values = values;
+  std::vector<float> distances(volume.size());
+  distance_transform(seeds, options.transform, distances, job);
+  volume.samples = std::move(distances);
+}
+
+void check_shape(const Options& options, const Volume& volume) {
+  if (volume.orthogonal()) return;
+  throw input_error(options.input, "header", "its axes are not at right angles",
+                    "resample it; distances along oblique axes are not computed");
+}
+
+// Samples without any surface are infinitely far.
+void warn_of_infinity(const std::string& input, const Volume& volume, Context& context) {
+  const auto& distances = std::get<std::vector<float>>(volume.samples);
+  if (std::isfinite(distances.front())) return;
+  context.warn(input + ": all samples are on one side, so that every distance is infinite");
+}
+
+void write(const Options& options, const Volume& volume, const Job& job) {
+  const std::string& path = options.output.path;
+  const auto& grids = grid_extensions();
+  if (std::find(grids.begin(), grids.end(), extension_of(path)) == grids.end()) {
+    return write_volume(volume, path, job);
+  }
+  job.report("write", 0.0);
+  write_grid(to_grid(volume), path);
+}
+
+std::string_view name_of(TransformMethod method) {
+  for (const TransformMethodInfo& info : transform_methods()) {
+    if (info.method == method) return info.name;
+  }
+  return "";
+}
+
+Exit run(const Options& options, Context& context) {
+  check_output(options.output);
+  Stopwatch watch;
+  VolumeFile file = load_volume(options.input, options.volume, context);
+  check_shape(options, file.volume);
+  watch.lap("read");
+  transform_in_place(options, file.volume, context.job());
+  watch.lap("transform");
+  warn_of_infinity(options.input, file.volume, context);
+  context.job().checkpoint();
+  write(options, file.volume, context.job());
+  watch.lap("write");
+
+  const glm::ivec3& dims = file.volume.dims;
+  const std::string method(name_of(options.transform.method));
+  Json& result = context.result();
+  result["method"] = method;
+  result["dims"] = {dims.x, dims.y, dims.z};
+  result["voxels"] = file.volume.size();
+  result["spacing"] = {file.volume.spacing.x, file.volume.spacing.y, file.volume.spacing.z};
+  result["seconds"] = watch.seconds();
+  const double seconds = result["seconds"]["transform"];
+  context.print("{}: {} x {} x {} distances by {}, {:.3f} s ({:.1f} Mvoxel/s)", options.output.path,
+                dims.x, dims.y, dims.z, method, seconds,
+                1e-6 * static_cast<double>(file.volume.size()) / seconds);
+  return Exit::done;
+}
+
+void add_sides(CLI::App& app, TransformSide& side) {
+  const auto flag = [&](const char* name, TransformSide value, const char* help) {
+    return app.add_flag_callback(
+        name, [&side, value] { side = value; }, help);
+  };
+  auto* both = flag("--signed", TransformSide::both,
+                    "distances on both sides, negative inside (what happens if no side is named)");
+  auto* inside = flag("--inside", TransformSide::inside,
+                      "distances of the samples inside to the nearest one outside; 0 outside");
+  auto* outside = flag("--outside", TransformSide::outside,
+                       "distances of the samples outside to the nearest one inside; 0 inside");
+  both->excludes(inside)->excludes(outside);
+  inside->excludes(outside);
+}
+
+}  // namespace
+
+Run add_transform(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  app.add_option("VOLUME", options->input,
+                 ".nrrd, .nhdr, .nii, .nii.gz, .npy, .raw, .tif, .vdb, or a folder of slices")
+      ->required();
+  std::vector<std::string> extensions = volume_extensions();
+  extensions.insert(extensions.end(), grid_extensions().begin(), grid_extensions().end());
+  add_output(app, options->output, extensions);
+  std::vector<std::pair<std::string, TransformMethod>> methods;
+  for (const TransformMethodInfo& info : transform_methods()) {
+    methods.emplace_back(info.name, info.method);
+  }
+  add_choice(app, "--method", options->transform.method, methods, "how distances are made");
+  auto* label = app.add_option("--label", options->label,
+                               "inside are the samples of this value only; all "
+                               "that are not 0 if not given")
+                    ->type_name("V");
+  app.add_option("--iso", options->iso, "inside are the samples at or above this value")
+      ->type_name("V")
+      ->excludes(label);
+  add_sides(app, options->transform.side);
+  app.add_option("--window", options->transform.window,
+                 "stop at this many voxels (of the smallest spacing); 0 for no limit")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  add_volume_options(app, options->volume);
+  return [options](Context& context) { return run(*options, context); };
+}
+
+}  // namespace sdfgrid::cli

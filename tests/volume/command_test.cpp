@@ -1,0 +1,200 @@
+// Volumes on the command line: convert, transform, render, compare and info with them.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/process.h"
+
+namespace sdfgrid::test {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kSize = 24;
+const double kCenter[3] = {11.3, 12.1, 10.8};
+constexpr double kRadius = 7;
+
+// A ball of grey values: 100 at its surface, falling by 10 a sample outwards.
+std::string ball_nrrd(const std::string& geometry = "") {
+  std::string bytes = fmt::format(
+      "NRRD0004\ntype: float\ndimension: 3\nsizes: {0} {0} {0}\nendian: little\nencoding: "
+      "raw\n{1}\n",
+      kSize, geometry);
+  for (int k = 0; k < kSize; ++k) {
+    for (int j = 0; j < kSize; ++j) {
+      for (int i = 0; i < kSize; ++i) {
+        const double r = std::hypot(i - kCenter[0], j - kCenter[1], k - kCenter[2]);
+        const auto value = static_cast<float>(100 - 10 * (r - kRadius));
+        bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
+      }
+    }
+  }
+  return bytes;
+}
+
+// Three labels in slabs along x: 0 for i < 4, 3 for i < 8, 5 beyond.
+std::string labels_npy() {
+  std::string header = "{'descr': '|u1', 'fortran_order': False, 'shape': (12, 6, 5), }";
+  header.append(63 - (10 + header.size()) % 64, ' ');
+  std::string bytes = std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(header.size() + 1) +
+                      '\0' + header + '\n';
+  for (int i = 0; i < 12; ++i) bytes.append(30, static_cast<char>(i < 4 ? 0 : i < 8 ? 3 : 5));
+  return bytes;
+}
+
+std::string read_file(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// Sample (i, 2, 2) of a .npy of 12 x 6 x 5 floats as transform writes it, x fastest.
+float distance_at(const std::string& npy, int i) {
+  float value = 0;
+  std::memcpy(&value, npy.data() + npy.size() - 4 * 360 + 4 * (i + 12 * (2 + 6 * 2)), 4);
+  return value;
+}
+
+class VolumeCommand : public ::testing::Test {
+ protected:
+  Folder folder_;
+  std::string ball_ = folder_.write("ball.nrrd", ball_nrrd());
+  std::string grid_ = folder_.path("ball.vdb");
+};
+
+TEST_F(VolumeCommand, ConvertMakesASubvoxelLevelSet) {
+  const Outcome made = run({"convert", ball_, "--iso", "100", "-o", grid_, "--json", "--quiet"});
+  ASSERT_EQ(made.exit, 0) << made.error;
+  EXPECT_EQ(json::parse(made.out)["voxel"], 1.0);
+  EXPECT_EQ(json::parse(made.out)["sign"], "normal");
+  EXPECT_TRUE(json::parse(made.out)["warnings"].empty());
+  // Against the volume's own surface: exact.
+  const Outcome same = run({"compare", grid_, ball_, "--iso", "100", "--json", "--quiet"});
+  ASSERT_EQ(same.exit, 0) << same.error;
+  EXPECT_LT(json::parse(same.out)["max_error"].get<double>(), 1e-5);
+  EXPECT_EQ(json::parse(same.out)["sign_errors"], 0);
+  const json info = json::parse(run({"info", grid_, "--json", "--quiet"}).out);
+  for (int a = 0; a < 3; ++a) {
+    const double lo = info["bounds"][0][a];
+    const double hi = info["bounds"][1][a];
+    EXPECT_NEAR(lo, kCenter[a] - kRadius - 3, 1.01);
+    EXPECT_NEAR(hi, kCenter[a] + kRadius + 3, 1.01);
+  }
+}
+
+TEST_F(VolumeCommand, AnisotropicVolumesTakeTheSmallestSpacing) {
+  const std::string flat = folder_.write("flat.nrrd", ball_nrrd("spacings: 1 0.5 2\n"));
+  const Outcome made = run({"convert", flat, "--iso", "100", "-o", grid_, "--json", "--quiet"});
+  ASSERT_EQ(made.exit, 0) << made.error;
+  EXPECT_EQ(json::parse(made.out)["voxel"], 0.5);
+  const json dims = json::parse(made.out)["dims"];
+  EXPECT_NEAR(dims[0].get<double>(), 2 * 14 + 6, 2);
+  EXPECT_NEAR(dims[1].get<double>(), 14 + 6, 2);
+  EXPECT_NEAR(dims[2].get<double>(), 4 * 14 + 6, 2);
+}
+
+TEST_F(VolumeCommand, EveryKindOfOutput) {
+  for (const char* name : {"a.vdb", "a.nvdb", "a.npy", "a.nrrd", "a.vti"}) {
+    const Outcome made = run({"convert", ball_, "--iso", "100", "-o", folder_.path(name)});
+    EXPECT_EQ(made.exit, 0) << name << made.error;
+    EXPECT_GT(read_file(folder_.path(name)).size(), 20000U) << name;
+  }
+  // A level set in a dense file is a volume whose inside is below 0.
+  const Outcome back =
+      run({"convert", folder_.path("a.nrrd"), "--iso", "0", "--below", "-o", grid_});
+  ASSERT_EQ(back.exit, 0) << back.error;
+  const json moved =
+      json::parse(run({"compare", grid_, ball_, "--iso", "100", "--json", "--quiet"}).out);
+  EXPECT_LT(moved["max_error"].get<double>(), 0.1);
+}
+
+TEST_F(VolumeCommand, AVolumeNeedsIsoAndAMeshMayNotHaveIt) {
+  const Outcome without = run({"convert", ball_, "-o", grid_});
+  EXPECT_EQ(without.exit, 2);
+  EXPECT_NE(without.error.find("--iso"), std::string::npos);
+  const std::string cube = folder_.write("cube.off", cube_off());
+  EXPECT_EQ(run({"convert", cube, "--iso", "1", "-o", grid_}).exit, 2);
+  EXPECT_EQ(run({"convert", ball_, "--iso", "1e9", "-o", grid_}).exit, 4);
+  EXPECT_EQ(run({"convert", folder_.write("a.raw", "abcd"), "--iso", "1", "-o", grid_}).exit, 2);
+  EXPECT_FALSE(std::ifstream(grid_).good());
+}
+
+TEST_F(VolumeCommand, RenderShowsAVolume) {
+  const std::string picture = folder_.path("ball.png");
+  const Outcome made =
+      run({"render", ball_, "--iso", "100", "-o", picture, "--size", "64x64", "--json", "--quiet"});
+  ASSERT_EQ(made.exit, 0) << made.error;
+  EXPECT_GT(json::parse(made.out)["hits"].get<int>(), 1000);
+}
+
+TEST_F(VolumeCommand, InfoSaysWhatAVolumeHolds) {
+  const json info = json::parse(run({"info", ball_, "--json", "--quiet"}).out);
+  EXPECT_EQ(info["kind"], "volume");
+  EXPECT_EQ(info["type"], "float32");
+  EXPECT_EQ(info["dims"], json({kSize, kSize, kSize}));
+  EXPECT_EQ(info["bounds"][1][0], kSize - 1.0);
+  EXPECT_LT(info["range"][0].get<double>(), 100);
+}
+
+TEST_F(VolumeCommand, TransformMakesDistancesOfLabels) {
+  const std::string labels = folder_.write("labels.npy", labels_npy());
+  const std::string out = folder_.path("d.npy");
+  const Outcome made = run({"transform", labels, "-o", out, "--json", "--quiet"});
+  ASSERT_EQ(made.exit, 0) << made.error;
+  const json result = json::parse(made.out);
+  EXPECT_EQ(result["method"], "meijster");
+  EXPECT_EQ(result["dims"], json({12, 6, 5}));
+  EXPECT_EQ(result["voxels"], 360);
+  for (const char* key : {"read", "transform", "write", "total"}) {
+    EXPECT_TRUE(result["seconds"].contains(key)) << key;
+  }
+  std::string npy = read_file(out);
+  for (int i = 0; i < 12; ++i) EXPECT_EQ(distance_at(npy, i), static_cast<float>(3.5 - i)) << i;
+
+  ASSERT_EQ(run({"transform", labels, "-o", out, "--force", "--label", "3", "--inside"}).exit, 0);
+  npy = read_file(out);
+  const float slab[] = {0, 0, 0, 0, 1, 2, 2, 1, 0, 0, 0, 0};
+  for (int i = 0; i < 12; ++i) EXPECT_EQ(distance_at(npy, i), slab[i]) << i;
+
+  ASSERT_EQ(run({"transform", labels, "-o", out, "--force", "--label", "3", "--outside",
+                 "--spacing", "0.5,1,1", "--window", "3"})
+                .exit,
+            0);
+  npy = read_file(out);
+  const float cut[] = {1.5, 1.5, 1, 0.5, 0, 0, 0, 0, 0.5, 1, 1.5, 1.5};
+  for (int i = 0; i < 12; ++i) EXPECT_EQ(distance_at(npy, i), cut[i]) << i;
+}
+
+TEST_F(VolumeCommand, TransformWritesEveryKindAndRefusesWhatAGridCannotHold) {
+  const std::string labels = folder_.write("labels.npy", labels_npy());
+  for (const char* name : {"a.npy", "a.nrrd", "a.vti", "a.vdb", "a.nvdb"}) {
+    EXPECT_EQ(run({"transform", labels, "-o", folder_.path(name)}).exit, 0) << name;
+  }
+  const json info = json::parse(run({"info", folder_.path("a.vdb"), "--json", "--quiet"}).out);
+  EXPECT_EQ(info["active_voxels"], 360);
+  const Outcome flat =
+      run({"transform", labels, "-o", folder_.path("b.vdb"), "--spacing", "1,1,2"});
+  EXPECT_EQ(flat.exit, 2);
+  EXPECT_NE(flat.error.find(".nrrd"), std::string::npos) << flat.error;
+  EXPECT_EQ(run({"transform", labels, "-o", folder_.path("b.npy"), "--method", "meister"}).exit, 2);
+  EXPECT_EQ(run({"transform", labels, "-o", folder_.path("b.npy"), "--label", "9"}).exit, 0);
+}
+
+TEST_F(VolumeCommand, MalformedVolumesAreRefused) {
+  const std::string whole = ball_nrrd();
+  const std::string cut = folder_.write("cut.nrrd", whole.substr(0, whole.size() / 2));
+  for (const char* command : {"convert", "transform", "render"}) {
+    const Outcome outcome =
+        run({command, cut, "--iso", "1", "-o",
+             folder_.path(std::string(command) == "render" ? "a.png" : "a.vdb")});
+    EXPECT_EQ(outcome.exit, 4) << command;
+    EXPECT_NE(outcome.error.find(cut), std::string::npos) << outcome.error;
+  }
+  EXPECT_EQ(run({"info", cut}).exit, 4);
+}
+
+}  // namespace
+}  // namespace sdfgrid::test
