@@ -26,6 +26,7 @@ const FieldKernel& field_kernel();
 
 // The families in the order of ops::Families.
 SDFGRID_DECLARE_ISAS(extern const FieldKernel kFieldKernel; extern const BatchFamily kCombinations,
-                                                            kRanges, kDomains, kWarps, kBasicLeaves)
+                                                            kRanges, kDomains, kWarps, kBasicLeaves,
+                                                            kFormulas)
 
 }  // namespace sdfgrid

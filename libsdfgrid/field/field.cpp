@@ -1,7 +1,6 @@
 #include "sdfgrid/field/field.h"
 
 #include <algorithm>
-#include <limits>
 #include <new>
 
 #include "sdfgrid/field/batch_kernel.h"
@@ -44,17 +43,11 @@ struct PartBlock {
 
 }  // namespace
 
-Field::Field() : program_(std::make_shared<const Program>()) {}
-
 std::size_t Field::size() const { return program_->code.size(); }
 
 void Field::evaluate(std::size_t n, const float* x, const float* y, const float* z,
                      float* out) const {
   const Program& p = *program_;
-  if (p.code.empty()) {
-    std::fill_n(out, n, std::numeric_limits<float>::infinity());
-    return;
-  }
   std::vector<const Sampler*> samplers;
   for (const auto& s : p.pool->samplers) samplers.push_back(s.get());
   const BatchProgram program = {p.code.data(), static_cast<int>(p.code.size()),

@@ -75,7 +75,7 @@ class Sampler {
 
 class Field {
  public:
-  // Empty space: positive infinity everywhere.
+  // Empty space: 1e9 everywhere, farther than anything.
   Field();
 
   // Values at n points. The bits depend on the point alone, not on what stands beside it.

@@ -3,10 +3,22 @@
 // 12, 1996, collects most of them.
 #pragma once
 
+#include "sdfgrid/core/lattice.h"
 #include "sdfgrid/field/ops.h"
 #include "sdfgrid/field/parameters.h"
 
 namespace sdfgrid::ops {
+
+// What an op is made of that turns out to be nowhere.
+struct Nothing {
+  static constexpr OpInfo info = {"nothing", OpRole::leaf, OpGuarantee::bound, "", "", "", false};
+
+  template <class T>
+  T distance(const Point<T>&) const {
+    return T(1e9F);
+  }
+  Box bounds(Data, double) const { return {}; }
+};
 
 struct Sphere {
   static constexpr OpInfo info = {"sphere",  OpRole::leaf,          OpGuarantee::exact,
@@ -215,7 +227,7 @@ struct Lozenge {
   }
 };
 
-using BasicLeaves = OpList<Sphere, Box3, Plane, Torus, Cylinder, InfiniteCylinder, Cone,
+using BasicLeaves = OpList<Nothing, Sphere, Box3, Plane, Torus, Cylinder, InfiniteCylinder, Cone,
                            InfiniteCone, Capsule, Lozenge>;
 
 }  // namespace sdfgrid::ops

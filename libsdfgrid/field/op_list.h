@@ -6,6 +6,7 @@
 
 #include "sdfgrid/field/combinations.h"
 #include "sdfgrid/field/domains.h"
+#include "sdfgrid/field/formulas.h"
 #include "sdfgrid/field/leaves_basic.h"
 #include "sdfgrid/field/ranges.h"
 #include "sdfgrid/field/region.h"
@@ -14,7 +15,7 @@
 namespace sdfgrid::ops {
 
 // The place of a family is part of an op's number: kFamilySize * place + place within the family.
-using Families = std::tuple<Combinations, Ranges, Domains, Warps, BasicLeaves>;
+using Families = std::tuple<Combinations, Ranges, Domains, Warps, BasicLeaves, Formulas>;
 
 // Calls visit.template operator()<Op>(number) for each op.
 template <class Visit, class... Op>

@@ -90,7 +90,6 @@ void marked_step(const Program& program, const Instruction& at, std::vector<Mark
 }  // namespace
 
 int Field::tag_at(const glm::dvec3& p) const {
-  if (program_->code.empty()) return -1;
   std::vector<Marked> values;
   std::vector<Point<double>> points = {{p.x, p.y, p.z}};
   for (const Instruction& at : program_->code) marked_step(*program_, at, values, points);
@@ -98,7 +97,6 @@ int Field::tag_at(const glm::dvec3& p) const {
 }
 
 ValueGradient Field::gradient(const glm::dvec3& p) const {
-  if (program_->code.empty()) return {kInfinity, glm::dvec3(0)};
   const Point<Gradient> at = {Gradient::variable(p.x, 0), Gradient::variable(p.y, 1),
                               Gradient::variable(p.z, 2)};
   const auto& functions = gradient_functions();

@@ -148,7 +148,6 @@ class Pruning {
 }  // namespace
 
 ValueRange Field::range(const Box& box) const {
-  if (program_->code.empty()) return {kInfinity, kInfinity};
   const auto leaf = [&](const Instruction& at, const Point<Interval>& p) {
     return leaf_interval(*program_, at, p);
   };
@@ -190,7 +189,6 @@ Box bounds_below(const Program& program, const std::vector<std::int32_t>& starts
 }  // namespace
 
 Box Field::bounds(double level) const {
-  if (program_->code.empty()) return {};
   return bounds_below(*program_, subtree_starts(program_->code),
                       static_cast<int>(program_->code.size()) - 1, level);
 }

@@ -26,6 +26,7 @@ RegisteredOp registered() {
   r.floats = std::is_empty_v<Op> ? 0 : sizeof(Op) / sizeof(float);
   r.list = Lists<Op>;
   r.convex = requires { Op::kConvex; };
+  if constexpr (requires { &Op::make; }) r.make = Op::make;
   if constexpr (requires(Op op, Data data) { op.prepare(data); }) {
     r.prepare = [](float* constants, Data data) {
       Op op = load_op<Op>(constants);

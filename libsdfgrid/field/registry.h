@@ -12,6 +12,8 @@ struct RegisteredOp {
   std::uint32_t floats = 0;  // of the op's struct
   bool list = false;         // has a list of numbers beside it
   bool convex = false;       // combination and range: no steeper than the steepest operand
+  // Makes the field where that takes more than numbers; null where it does not.
+  Field (*make)(const std::vector<Argument>& arguments) = nullptr;
   // Derives what the struct holds beside its parameters; throws Error{input}.
   void (*prepare)(float* constants, ops::Data data) = nullptr;
   // Tells a domain op where its node is; null if it need not know.

@@ -5,8 +5,8 @@
 namespace sdfgrid::SDFGRID_ISA {
 namespace {
 
-const BatchFamily* const kFamilies[] = {&kCombinations, &kRanges, &kDomains, &kWarps,
-                                        &kBasicLeaves};
+const BatchFamily* const kFamilies[] = {&kCombinations, &kRanges,      &kDomains,
+                                        &kWarps,        &kBasicLeaves, &kFormulas};
 
 void set_point(const float* p[3], const float* const from[3]) {
   for (int a = 0; a < 3; ++a) p[a] = from[a];

@@ -34,10 +34,10 @@ struct SlopeOps {
   double (*stretch)(const float* c, const Point<Interval>& p) = nullptr;
 };
 
-template <int N>
-double norm(const Dual<Interval, N>& r, int first, int count) {
+// The length of the vector of `count` derivatives, at most.
+double norm(const Interval* d, int count) {
   double sum = 0;
-  for (int i = first; i < first + count; ++i) sum += magnitude(r.d[i]) * magnitude(r.d[i]);
+  for (int i = 0; i < count; ++i) sum += magnitude(d[i]) * magnitude(d[i]);
   return std::isnan(sum) ? kInfinity : std::sqrt(sum);
 }
 
@@ -55,7 +55,7 @@ double leaf_slope(const float* c, Data data, const Point<Interval>& p) {
   if constexpr (Op::info.guarantee != OpGuarantee::computed) {
     return 1;
   } else {
-    return norm(leaf_value(load_op<Op>(c), variables<3>(p, 0), data), 0, 3);
+    return norm(leaf_value(load_op<Op>(c), variables<3>(p, 0), data).d.data(), 3);
   }
 }
 
@@ -69,8 +69,8 @@ double combined_slope(const float* c, const Steep& a, const Steep& b, const Plac
   } else {
     using D = Dual<Interval, 5>;
     const D r = op.combine(D::variable(a.value, 3), D::variable(b.value, 4), variables<5>(at.p, 0));
-    return times(norm(r, 3, 1), a.slope) + times(norm(r, 4, 1), b.slope) +
-           times(norm(r, 0, 3), at.stretch);
+    return times(magnitude(r.d[3]), a.slope) + times(magnitude(r.d[4]), b.slope) +
+           times(norm(r.d.data(), 3), at.stretch);
   }
 }
 
@@ -84,7 +84,7 @@ double value_slope(const float* c, const Steep& d, const Place& at) {
   } else {
     using D = Dual<Interval, 4>;
     const D r = op.value(D::variable(d.value, 3), variables<4>(at.p, 0));
-    return times(norm(r, 3, 1), d.slope) + times(norm(r, 0, 3), at.stretch);
+    return times(magnitude(r.d[3]), d.slope) + times(norm(r.d.data(), 3), at.stretch);
   }
 }
 
@@ -197,7 +197,6 @@ Box child(const Box& box, int octant) {
 }  // namespace
 
 double slope_over(const Program& program, const Box& box) {
-  if (program.code.empty()) return 0;
   return SlopeReading(program).over(box);
 }
 

@@ -1,0 +1,396 @@
+// A recursive descent over the formula that writes postfix code, constants folded as they meet.
+#include "sdfgrid/field/formula.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "sdfgrid/core/error.h"
+#include "sdfgrid/field/formula_code.h"
+
+namespace sdfgrid {
+namespace {
+
+using ops::FormulaOp;
+
+constexpr int kDepth = 64;             // of parentheses and signs
+constexpr std::size_t kLength = 4096;  // of a formula and of its code
+
+struct Function {
+  std::string_view name;
+  int least, most;  // arguments
+};
+constexpr std::array kFunctions = {
+    Function{"sqrt", 1, 1},  Function{"abs", 1, 1},   Function{"exp", 1, 1},
+    Function{"log", 1, 1},   Function{"sin", 1, 1},   Function{"cos", 1, 1},
+    Function{"tan", 1, 1},   Function{"asin", 1, 1},  Function{"acos", 1, 1},
+    Function{"atan", 1, 1},  Function{"sinh", 1, 1},  Function{"cosh", 1, 1},
+    Function{"tanh", 1, 1},  Function{"floor", 1, 1}, Function{"sign", 1, 1},
+    Function{"atan2", 2, 2}, Function{"pow", 2, 2},   Function{"mod", 2, 2},
+    Function{"min", 2, 64},  Function{"max", 2, 64},
+};
+
+struct Code {
+  FormulaOp op;
+  double number;
+};
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+class Parser {
+ public:
+  Parser(std::string_view text, double t) : text_(text), t_(t) {}
+
+  std::vector<Code> parse() {
+    if (text_.size() > kLength) fail(0, fmt::format("longer than {} characters", kLength));
+    sum();
+    skip();
+    if (at_ < text_.size()) {
+      fail(at_, text_[at_] == ')' ? "there is no parenthesis to close"
+                                  : "expected an operator or the end");
+    }
+    return std::move(code_);
+  }
+
+  // The formula again with a caret under character `place`; no longer than a line.
+  [[noreturn]] void fail(std::size_t place, const std::string& what) const {
+    constexpr std::size_t kBefore = 50;
+    const std::size_t first = place > kBefore ? place - kBefore : 0;
+    std::string shown(text_.substr(first, kBefore + 30));
+    for (char& c : shown) {
+      if (c < ' ' || c > '~') c = '?';
+    }
+    throw Error(ErrorKind::input, fmt::format("formula: {} at character {}\n  {}\n  {}^", what,
+                                              place + 1, shown, std::string(place - first, ' ')));
+  }
+
+ private:
+  void skip() {
+    while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n')) {
+      ++at_;
+    }
+  }
+  bool take(std::string_view token) {
+    skip();
+    if (!text_.substr(at_).starts_with(token)) return false;
+    at_ += token.size();
+    return true;
+  }
+  bool next_is(std::string_view token) {
+    skip();
+    return text_.substr(at_).starts_with(token);
+  }
+
+  void sum() {
+    product();
+    for (;;) {
+      const std::size_t place = at_;
+      if (take("+")) {
+        product();
+        two(FormulaOp::add, place);
+      } else if (take("-")) {
+        product();
+        two(FormulaOp::subtract, place);
+      } else {
+        return;
+      }
+    }
+  }
+
+  void product() {
+    signed_power();
+    for (;;) {
+      const std::size_t place = at_;
+      if (!next_is("**") && take("*")) {
+        signed_power();
+        two(FormulaOp::multiply, place);
+      } else if (take("/")) {
+        signed_power();
+        two(FormulaOp::divide, place);
+      } else {
+        return;
+      }
+    }
+  }
+
+  void signed_power() {
+    const Level level(*this);
+    const std::size_t place = at_;
+    if (take("-")) {
+      signed_power();
+      one(FormulaOp::negative, place);
+    } else if (take("+")) {
+      signed_power();
+    } else {
+      power();
+    }
+  }
+
+  void power() {
+    atom();
+    const std::size_t place = at_;
+    if (take("**") || take("^")) {
+      signed_power();
+      raise(place);
+    }
+  }
+
+  void atom() {
+    skip();
+    const std::size_t place = at_;
+    if (at_ == text_.size()) fail(place, "the formula ends where a number or name should follow");
+    if (take("(")) {
+      sum();
+      close(place);
+    } else if (is_digit(text_[at_]) || text_[at_] == '.') {
+      number();
+    } else if (is_letter(text_[at_])) {
+      name();
+    } else {
+      fail(place, "expected a number, a name or a parenthesis");
+    }
+  }
+
+  void close(std::size_t opened) {
+    if (!take(")")) fail(opened, "this parenthesis is never closed");
+  }
+
+  void number() {
+    double value = 0;
+    const char* const first = text_.data() + at_;
+    const auto result = std::from_chars(first, text_.data() + text_.size(), value);
+    if (result.ec != std::errc{} || !std::isfinite(static_cast<float>(value))) {
+      fail(at_, "not a number in range");
+    }
+    emit({FormulaOp::constant, value}, at_);
+    at_ += static_cast<std::size_t>(result.ptr - first);
+  }
+
+  void name() {
+    const std::size_t place = at_;
+    while (at_ < text_.size() && (is_letter(text_[at_]) || is_digit(text_[at_]))) ++at_;
+    const std::string_view word = text_.substr(place, at_ - place);
+    if (next_is("(")) return call(word, place);
+    if (word == "x") return emit({FormulaOp::x, 0}, place);
+    if (word == "y") return emit({FormulaOp::y, 0}, place);
+    if (word == "z") return emit({FormulaOp::z, 0}, place);
+    if (word == "t") return emit({FormulaOp::constant, t_}, place);
+    if (word == "pi") return emit({FormulaOp::constant, std::numbers::pi}, place);
+    if (word == "e") return emit({FormulaOp::constant, std::numbers::e}, place);
+    fail(place, fmt::format("unknown name `{}`; known are x, y, z, t, pi, e and functions{}",
+                            shortened(word), known_functions()));
+  }
+
+  static std::string shortened(std::string_view word) { return std::string(word.substr(0, 40)); }
+  static std::string known_functions() {
+    std::string all;
+    for (const Function& f : kFunctions) all += fmt::format(" {}", f.name);
+    return all;
+  }
+
+  void call(std::string_view word, std::size_t place) {
+    const Function* function = nullptr;
+    for (const Function& f : kFunctions) {
+      if (f.name == word) function = &f;
+    }
+    if (function == nullptr) {
+      fail(place,
+           fmt::format("unknown function `{}`; known are{}", shortened(word), known_functions()));
+    }
+    const std::size_t opened = at_;
+    take("(");
+    const std::size_t first = code_.size();
+    int arguments = 0;
+    do {
+      sum();
+      if (++arguments >= 2 && function->most > 2) {
+        two(word == "min" ? FormulaOp::minimum : FormulaOp::maximum, place);
+      }
+    } while (take(","));
+    close(opened);
+    if (arguments < function->least || arguments > function->most) {
+      fail(place, fmt::format("`{}` takes {} arguments, not {}", word, function->least, arguments));
+    }
+    if (function->most <= 2) apply(word, place, first);
+  }
+
+  // The functions that are one operation, and those made of several.
+  void apply(std::string_view word, std::size_t place, std::size_t first) {
+    constexpr std::pair<std::string_view, FormulaOp> kDirect[] = {
+        {"sqrt", FormulaOp::root},       {"abs", FormulaOp::absolute},
+        {"exp", FormulaOp::exponential}, {"log", FormulaOp::logarithm},
+        {"sin", FormulaOp::sine},        {"cos", FormulaOp::cosine},
+        {"acos", FormulaOp::arccosine},  {"floor", FormulaOp::floor_of},
+        {"sign", FormulaOp::sign_of}};
+    for (const auto& [name, op] : kDirect) {
+      if (name == word) return one(op, place);
+    }
+    if (word == "atan2") return two(FormulaOp::arctangent2, place);
+    if (word == "pow") return raise(place);
+    const auto constant = [&](double v) { emit({FormulaOp::constant, v}, place); };
+    const auto argument = [&,
+                           code = std::vector<Code>(
+                               code_.begin() + static_cast<std::ptrdiff_t>(first), code_.end())] {
+      for (const Code& c : code) emit(c, place);
+    };
+    if (word == "tan") {
+      one(FormulaOp::sine, place);
+      argument();
+      one(FormulaOp::cosine, place);
+      two(FormulaOp::divide, place);
+    } else if (word == "asin") {
+      one(FormulaOp::arccosine, place);
+      one(FormulaOp::negative, place);
+      constant(std::numbers::pi / 2);
+      two(FormulaOp::add, place);
+    } else if (word == "atan") {
+      constant(1);
+      two(FormulaOp::arctangent2, place);
+    } else if (word == "mod") {
+      modulo(place, first);
+    } else {
+      hyperbolic(word, place, argument);
+    }
+  }
+
+  // a - b floor(a / b), on the code of a and b.
+  void modulo(std::size_t place, std::size_t first) {
+    const std::vector<Code> both(code_.begin() + static_cast<std::ptrdiff_t>(first), code_.end());
+    const std::size_t second = start_of_last(both);
+    two(FormulaOp::divide, place);
+    one(FormulaOp::floor_of, place);
+    for (std::size_t i = second; i < both.size(); ++i) emit(both[i], place);
+    two(FormulaOp::multiply, place);
+    one(FormulaOp::negative, place);
+    for (std::size_t i = 0; i < second; ++i) emit(both[i], place);
+    two(FormulaOp::add, place);
+  }
+  // Where the code of the uppermost value begins.
+  static std::size_t start_of_last(const std::vector<Code>& code) {
+    int needed = 1;
+    std::size_t i = code.size();
+    while (needed > 0) {
+      --i;
+      needed += ops::takes_two(code[i].op) ? 1 : (ops::takes_one(code[i].op) ? 0 : -1);
+    }
+    return i;
+  }
+
+  // sinh, cosh and tanh from e^a and e^-a.
+  template <class Argument>
+  void hyperbolic(std::string_view word, std::size_t place, const Argument& argument) {
+    const auto half = [&](FormulaOp join) {
+      one(FormulaOp::exponential, place);
+      argument();
+      one(FormulaOp::negative, place);
+      one(FormulaOp::exponential, place);
+      two(join, place);
+    };
+    half(word == "cosh" ? FormulaOp::add : FormulaOp::subtract);
+    if (word == "tanh") {
+      argument();
+      half(FormulaOp::add);
+      two(FormulaOp::divide, place);
+    } else {
+      emit({FormulaOp::constant, 0.5}, place);
+      two(FormulaOp::multiply, place);
+    }
+  }
+
+  // The uppermost value to the power above it: a whole constant is a product.
+  void raise(std::size_t place) {
+    const Code exponent = code_.back();
+    if (exponent.op == FormulaOp::constant && exponent.number == std::floor(exponent.number) &&
+        std::fabs(exponent.number) <= 64) {
+      code_.pop_back();
+      --stack_;
+      one(FormulaOp::raise, place, exponent.number);
+    } else if (exponent.op == FormulaOp::constant && exponent.number == 0.5) {
+      code_.pop_back();
+      --stack_;
+      one(FormulaOp::root, place);
+    } else {
+      two(FormulaOp::power, place);
+    }
+  }
+
+  void emit(const Code& code, std::size_t place) {
+    if (code.op <= FormulaOp::z) ++stack_;
+    if (ops::takes_two(code.op)) --stack_;
+    if (stack_ > ops::kFormulaStack) fail(place, "too many open operations; simplify the formula");
+    if (code_.size() >= kLength) fail(place, "too many operations; simplify the formula");
+    code_.push_back(code);
+  }
+
+  void one(FormulaOp op, std::size_t place, double number = 0) {
+    if (code_.back().op == FormulaOp::constant) {
+      code_.back().number = checked(
+          ops::apply_one<double>(op, code_.back().number, static_cast<float>(number)), place);
+    } else {
+      emit({op, number}, place);
+    }
+  }
+  void two(FormulaOp op, std::size_t place) {
+    const std::size_t n = code_.size();
+    if (n >= 2 && code_[n - 1].op == FormulaOp::constant &&
+        code_[n - 2].op == FormulaOp::constant) {
+      code_[n - 2].number =
+          checked(ops::apply_two<double>(op, code_[n - 2].number, code_[n - 1].number), place);
+      code_.pop_back();
+      --stack_;
+    } else {
+      emit({op, 0}, place);
+    }
+  }
+  double checked(double v, std::size_t place) const {
+    if (!std::isfinite(static_cast<float>(v))) fail(place, "not a finite number");
+    return v;
+  }
+
+  // Counts how deep the descent is, so that no text can exhaust the stack.
+  struct Level {
+    explicit Level(Parser& p) : parser(p) {
+      if (++parser.depth_ > kDepth) parser.fail(parser.at_, "nested too deep");
+    }
+    ~Level() { --parser.depth_; }
+    Level(const Level&) = delete;
+    Level& operator=(const Level&) = delete;
+    Parser& parser;
+  };
+
+  std::string_view text_;
+  double t_;
+  std::size_t at_ = 0;
+  int depth_ = 0;
+  int stack_ = 0;
+  std::vector<Code> code_;
+};
+
+}  // namespace
+
+std::vector<float> parse_formula(std::string_view text, double t) {
+  std::vector<float> floats;
+  for (const Code& code : Parser(text, t).parse()) {
+    floats.push_back(static_cast<float>(code.op));
+    floats.push_back(static_cast<float>(code.number));
+  }
+  return floats;
+}
+
+double parse_number(std::string_view text, double t) {
+  Parser parser(text, t);
+  const std::vector<Code> code = parser.parse();
+  if (code.size() != 1 || code[0].op != FormulaOp::constant) {
+    const std::size_t place = text.find_first_of("xyz");
+    parser.fail(place == std::string_view::npos ? 0 : place,
+                "x, y and z have no value here: a number is wanted");
+  }
+  return code[0].number;
+}
+
+}  // namespace sdfgrid
