@@ -5,6 +5,7 @@ find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
 find_package(OpenMesh REQUIRED)
 find_package(fmt REQUIRED)
+find_package(yaml-cpp REQUIRED)
 find_path(GLM_INCLUDE_DIR glm/glm.hpp REQUIRED)
 
 # OpenVDB brings a find module where others bring a package file, and one that talks.

@@ -9,7 +9,7 @@
 #include <filesystem>
 
 #include "sdfgrid/core/error.h"
-#include "words.h"
+#include "sdfgrid/core/words.h"
 
 namespace sdfgrid::cli {
 

@@ -7,7 +7,7 @@
 #include <regex>
 
 #include "command.h"
-#include "words.h"
+#include "sdfgrid/core/words.h"
 
 namespace sdfgrid::cli {
 namespace {

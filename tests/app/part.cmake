@@ -6,7 +6,6 @@ sdfgrid_test(app_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/contract_test.cpp
                               ${CMAKE_CURRENT_LIST_DIR}/words_test.cpp
                               ${CMAKE_CURRENT_LIST_DIR}/process.cpp
                               ${PROJECT_SOURCE_DIR}/apps/sdfgrid/progress.cpp
-                              ${PROJECT_SOURCE_DIR}/apps/sdfgrid/words.cpp
              PACKAGES nlohmann_json::nlohmann_json)
 # Measures how fast the program lets go, so it runs alone.
 sdfgrid_test(interrupt_test SERIAL SOURCES ${CMAKE_CURRENT_LIST_DIR}/interrupt_test.cpp

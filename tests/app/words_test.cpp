@@ -1,8 +1,8 @@
-#include "sdfgrid/words.h"
+#include "sdfgrid/core/words.h"
 
 #include <gtest/gtest.h>
 
-namespace sdfgrid::cli {
+namespace sdfgrid {
 namespace {
 
 TEST(EditDistance, CountsTheFewestChanges) {
@@ -32,4 +32,4 @@ TEST(NearestWord, ShortWordsMustShareALetter) {
 }
 
 }  // namespace
-}  // namespace sdfgrid::cli
+}  // namespace sdfgrid

@@ -1,11 +1,11 @@
-// apps/sdfgrid/words.h: the answer to a mistyped word.
+// core/words.h: the answer to a mistyped word.
 #pragma once
 
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace sdfgrid::cli {
+namespace sdfgrid {
 
 // The fewest insertions, deletions, substitutions and swaps of neighbours that turn a into b.
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
@@ -15,4 +15,4 @@ namespace sdfgrid::cli {
 [[nodiscard]] std::string nearest_word(std::string_view given,
                                        const std::vector<std::string>& words);
 
-}  // namespace sdfgrid::cli
+}  // namespace sdfgrid

@@ -1,8 +1,8 @@
-#include "words.h"
+#include "sdfgrid/core/words.h"
 
 #include <algorithm>
 
-namespace sdfgrid::cli {
+namespace sdfgrid {
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   // Row i holds the distances between the first i letters of a and each beginning of b.
@@ -34,4 +34,4 @@ std::string nearest_word(std::string_view given, const std::vector<std::string>&
   return best;
 }
 
-}  // namespace sdfgrid::cli
+}  // namespace sdfgrid

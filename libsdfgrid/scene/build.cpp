@@ -1,0 +1,160 @@
+#include "sdfgrid/scene/build.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "sdfgrid/core/error.h"
+#include "sdfgrid/field/formula.h"
+#include "sdfgrid/grid/convert.h"
+#include "sdfgrid/mesh/read.h"
+#include "sdfgrid/trace/grid_sampler.h"
+
+namespace sdfgrid {
+namespace {
+
+constexpr int kMeshDim = 256;  // voxels along a mesh's longest side, if not said
+
+class SceneBuilder {
+ public:
+  SceneBuilder(const Scene& scene, const std::string& file, double time, const Job& job)
+      : scene_(scene), file_(file), time_(time), job_(job) {}
+
+  SceneModel build() {
+    for (const SceneMaterial& material : scene_.materials) {
+      tags_[material.name] = static_cast<int>(model_.materials.size());
+      model_.materials.push_back(read_material(material));
+    }
+    read_camera();
+    std::vector<Field> nodes = fields(scene_.nodes);
+    if (!nodes.empty()) model_.field = make_field("union", {}, nodes);
+    return std::move(model_);
+  }
+
+ private:
+  [[nodiscard]] double number(const SceneNumber& n) const {
+    return n.formula.empty() ? n.value : parse_number(n.formula, time_);
+  }
+  [[nodiscard]] std::vector<double> numbers(const std::vector<SceneNumber>& from) const {
+    std::vector<double> to(from.size());
+    std::transform(from.begin(), from.end(), to.begin(),
+                   [&](const SceneNumber& n) { return number(n); });
+    return to;
+  }
+  [[nodiscard]] double one(const SceneValue& value, double lo, double hi) const {
+    const std::vector<double> v = numbers(value.numbers);
+    if (v.size() == 1 && v[0] >= lo && v[0] <= hi) return v[0];
+    throw input_error(file_, "",
+                      fmt::format("`{}` must be a number from {} to {}", value.name, lo, hi),
+                      "give one");
+  }
+  [[nodiscard]] glm::dvec3 three(const SceneValue& value) const {
+    const std::vector<double> v = numbers(value.numbers);
+    if (v.size() == 1) return glm::dvec3(v[0]);
+    if (v.size() == 3) return {v[0], v[1], v[2]};
+    throw input_error(file_, "", fmt::format("`{}` has {} numbers", value.name, v.size()),
+                      "give three");
+  }
+
+  [[nodiscard]] Material read_material(const SceneMaterial& from) const {
+    Material to;
+    for (const SceneValue& value : from.values) {
+      if (value.name == "diffuse") to.diffuse = glm::vec3(three(value));
+      if (value.name == "specular") to.specular = static_cast<float>(one(value, 0, 1));
+      if (value.name == "exponent") to.exponent = static_cast<float>(one(value, 1, 1e5));
+    }
+    return to;
+  }
+
+  void read_camera() {
+    for (const SceneValue& value : scene_.camera) {
+      if (value.name == "eye") model_.camera.eye = three(value);
+      if (value.name == "target") model_.camera.target = three(value);
+      if (value.name == "up") model_.camera.up = three(value);
+      if (value.name == "fov") model_.camera.fov = one(value, 0.01, 179);
+    }
+  }
+
+  std::vector<Field> fields(const std::vector<SceneNode>& nodes) {
+    std::vector<Field> made;
+    made.reserve(nodes.size());
+    for (const SceneNode& node : nodes) made.push_back(field(node));
+    return made;
+  }
+
+  Field field(const SceneNode& node) {
+    const std::vector<Field> of = fields(node.of);
+    try {
+      Field made = shape(node, of);
+      if (!node.material.empty()) made = made.tagged(tags_.at(node.material));
+      const auto placed = [&](const char* op, const std::vector<SceneNumber>& by) {
+        if (!by.empty()) made = make_field(op, {{"by", numbers(by)}}, {made});
+      };
+      placed("scale", node.scale);
+      placed("rotate", node.rotate);
+      placed("translate", node.at);
+      return made;
+    } catch (const Error& e) {
+      if (e.kind() != ErrorKind::input) throw;
+      const std::string name = node.name.empty() ? "" : fmt::format(" (`{}`)", node.name);
+      throw input_error(file_, fmt::format("line {}{}", node.place.line, name), e.what(), "");
+    }
+  }
+
+  Field shape(const SceneNode& node, const std::vector<Field>& of) {
+    if (node.op == "grid") return make_field(sampler(node, false));
+    if (node.op == "mesh") return make_field(sampler(node, true));
+    std::vector<Argument> arguments;
+    for (const SceneValue& value : node.values) {
+      if (value.is_text) {
+        arguments.emplace_back(value.name, value.text);
+      } else {
+        arguments.emplace_back(value.name, numbers(value.numbers));
+      }
+    }
+    return make_field(node.op, arguments, of);
+  }
+
+  // One a file, however often it is named.
+  std::shared_ptr<const Sampler> sampler(const SceneNode& node, bool mesh) {
+    std::string name;
+    int dim = kMeshDim;
+    for (const SceneValue& value : node.values) {
+      if (value.name == "file") name = value.text;
+      if (value.name == "dim") dim = static_cast<int>(one(value, 2, 4096));
+    }
+    if (name.empty()) throw Error(ErrorKind::input, node.op + ": `file` is missing");
+    const auto path = (std::filesystem::path(file_).parent_path() / name).string();
+    auto& known = samplers_[fmt::format("{} {}", mesh ? dim : 0, path)];
+    if (known == nullptr) known = make_sampler(mesh ? convert(path, dim) : read_grid(path), job_);
+    return known;
+  }
+
+  Grid convert(const std::string& path, int dim) {
+    const MeshFile mesh = read_mesh(path, job_);
+    for (const std::string& warning : mesh.warnings) model_.warnings.push_back(warning);
+    ConvertOptions options;
+    options.dim = dim;
+    Conversion made = convert_mesh(mesh.soup, options, job_);
+    for (const std::string& warning : made.warnings) model_.warnings.push_back(warning);
+    return made.grid;
+  }
+
+  const Scene& scene_;
+  const std::string& file_;
+  double time_;
+  const Job& job_;
+  SceneModel model_;
+  std::map<std::string, int> tags_;
+  std::map<std::string, std::shared_ptr<const Sampler>> samplers_;
+};
+
+}  // namespace
+
+SceneModel build_scene(const Scene& scene, const std::string& file, double time, const Job& job) {
+  return SceneBuilder(scene, file, time, job).build();
+}
+
+}  // namespace sdfgrid
