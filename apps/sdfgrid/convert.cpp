@@ -1,4 +1,4 @@
-// sdfgrid convert: a mesh, or a surface in a volume, to a sparse distance grid.
+// sdfgrid convert: a mesh, a surface in a volume or a scene to a sparse distance grid.
 #include "sdfgrid/grid/convert.h"
 
 #include <algorithm>
@@ -8,7 +8,9 @@
 #include "command.h"
 #include "inputs.h"
 #include "options.h"
+#include "scenes.h"
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/grid/convert_field.h"
 #include "sdfgrid/grid/dense.h"
 #include "sdfgrid/volume/write.h"
 
@@ -27,6 +29,7 @@ struct Options {
   double inwidth = 0;
   std::optional<int> dim;
   SurfaceOptions surface;
+  double time = 0;
 };
 
 const std::vector<std::pair<std::string, Method>> kMethods = {{"exact", Method::exact}};
@@ -41,36 +44,48 @@ Band band_of(const Options& options) {
           options.inwidth > 0 ? options.inwidth : options.width};
 }
 
-void describe(const Conversion& conversion, const Options& options, Context& context) {
-  const Grid& grid = conversion.grid;
+// What was made, and what is to be said of it.
+struct Made {
+  Grid grid;
+  std::string method;
+  std::string sign;
+  std::string sign_reason;
+  std::optional<double> max_error;  // world units; none is stated of a scene
+};
+
+void describe(const Made& made, const Options& options, Context& context) {
+  const Grid& grid = made.grid;
   glm::ivec3 lo;
   glm::ivec3 hi;
   grid.active_bounds(lo, hi);
   const glm::ivec3 dims = hi - lo + 1;
+  const double voxel = grid.lattice().voxel;
   Json& result = context.result();
-  result["method"] = "exact";
-  result["sign"] = sign_name(conversion.sign);
-  result["sign_reason"] = conversion.sign_reason;
-  result["voxel"] = grid.lattice().voxel;
+  result["method"] = made.method;
+  result["sign"] = made.sign;
+  result["sign_reason"] = made.sign_reason;
+  result["voxel"] = voxel;
   result["dims"] = {dims.x, dims.y, dims.z};
   result["active_voxels"] = grid.active_voxels();
   result["bricks"] = grid.bricks();
   result["bytes"] = grid.bytes();
-  result["max_error"] = kConvertError * grid.lattice().voxel;
+  if (made.max_error) result["max_error"] = *made.max_error;
   context.print("{}: {} x {} x {} samples, voxel {:.6g}, {} active in {} bricks, {:.1f} MB",
-                options.output.path, dims.x, dims.y, dims.z, grid.lattice().voxel,
-                grid.active_voxels(), grid.bricks(), 1e-6 * static_cast<double>(grid.bytes()));
-  context.print("method exact, error at most {:.1g} voxel; sign {}: {}", kConvertError,
-                sign_name(conversion.sign), conversion.sign_reason);
+                options.output.path, dims.x, dims.y, dims.z, voxel, grid.active_voxels(),
+                grid.bricks(), 1e-6 * static_cast<double>(grid.bytes()));
+  context.print(
+      "method {}{}; sign {}: {}", made.method,
+      made.max_error ? fmt::format(", error at most {:.1g} voxel", *made.max_error / voxel) : "",
+      made.sign, made.sign_reason);
 }
 
 // What the grid says of itself to whoever opens it later (docs/architecture.md, "Metadata").
-void stamp(Grid& grid, const Conversion& conversion, const std::string& source) {
-  grid.set_metadata("sdfgrid:method", "exact");
-  grid.set_metadata("sdfgrid:sign", sign_name(conversion.sign));
-  grid.set_metadata("sdfgrid:source", source.substr(source.find_last_of('/') + 1));
-  grid.set_metadata("sdfgrid:max_error", kConvertError * grid.lattice().voxel);
-  grid.set_metadata("sdfgrid:version", SDFGRID_VERSION);
+void stamp(Made& made, const std::string& source) {
+  made.grid.set_metadata("sdfgrid:method", made.method);
+  made.grid.set_metadata("sdfgrid:sign", made.sign);
+  made.grid.set_metadata("sdfgrid:source", source.substr(source.find_last_of('/') + 1));
+  if (made.max_error) made.grid.set_metadata("sdfgrid:max_error", *made.max_error);
+  made.grid.set_metadata("sdfgrid:version", SDFGRID_VERSION);
 }
 
 // The voxel size asked for; a volume's own if nothing is said.
@@ -112,40 +127,80 @@ void report_seconds(const Surface& surface, const Conversion& conversion, Json s
       conversion.seconds.voxelize, conversion.seconds.assemble, write_seconds);
 }
 
-Exit run(const Options& options, Context& context) {
-  check_output(options.output);
+void save(Made& made, const Options& options, Context& context) {
+  stamp(made, options.input);
+  context.job().report("write", 0.0);
+  context.job().checkpoint();
+  write(made.grid, options.output.path, context.job());
+}
+
+Exit run_surface(const Options& options, Context& context) {
   Stopwatch watch;
   const Surface surface = load_surface(options.input, options.surface, context);
   watch.lap("read");
   const ConvertOptions convert = convert_options(options, surface);
   check_storable(choose_lattice(surface.soup, convert).voxel);
-  Conversion conversion = convert_mesh(surface.soup, convert, context.job());
+  const Conversion conversion = convert_mesh(surface.soup, convert, context.job());
   for (const std::string& warning : conversion.warnings) context.warn(warning);
   watch.lap("convert");
-  stamp(conversion.grid, conversion, options.input);
-  context.job().report("write", 0.0);
-  context.job().checkpoint();
-  write(conversion.grid, options.output.path, context.job());
+  Made made{conversion.grid, "exact", std::string(sign_name(conversion.sign)),
+            conversion.sign_reason, kConvertError * conversion.grid.lattice().voxel};
+  save(made, options, context);
   watch.lap("write");
-  describe(conversion, options, context);
+  describe(made, options, context);
   report_seconds(surface, conversion, watch.seconds(), context);
   return Exit::done;
+}
+
+Exit run_scene(const Options& options, Context& context) {
+  Stopwatch watch;
+  const SceneModel scene = load_scene(options.input, options.time, context);
+  watch.lap("read");
+  FieldConvertOptions convert;
+  convert.voxel = options.convert.voxel;
+  convert.dim = options.dim.value_or(convert.dim);
+  convert.band = band_of(options);
+  convert.max_memory = options.convert.max_memory;
+  check_storable(choose_lattice(scene.field, convert).voxel);
+  const FieldConversion conversion = convert_field(scene.field, convert, context.job());
+  watch.lap("voxelize");
+  Made made{conversion.grid, "field", "field",
+            "values are the scene's own, never more than the distance", std::nullopt};
+  save(made, options, context);
+  watch.lap("write");
+  describe(made, options, context);
+  Json seconds = watch.seconds();
+  seconds["transform"] = 0.0;
+  context.result()["evaluated"] = conversion.evaluated;
+  context.result()["seconds"] = seconds;
+  context.print("{} points evaluated; read {:.3f} s, voxelize {:.3f} s, write {:.3f} s",
+                conversion.evaluated, seconds["read"].get<double>(),
+                seconds["voxelize"].get<double>(), seconds["write"].get<double>());
+  return Exit::done;
+}
+
+Exit run(const Options& options, Context& context) {
+  check_output(options.output);
+  return names_scene(options.input) ? run_scene(options, context) : run_surface(options, context);
 }
 
 }  // namespace
 
 Run add_convert(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  app.add_option("IN", options->input, "mesh (.obj, .ply, .stl, .off, .om), or volume (see --iso)")
+  app.add_option("IN", options->input,
+                 "mesh (.obj, .ply, .stl, .off, .om), volume (see --iso) or scene (.yaml, .json)")
       ->required();
   std::vector<std::string> extensions = grid_extensions();
   extensions.insert(extensions.end(), volume_extensions().begin(), volume_extensions().end());
   add_output(app, options->output, extensions);
   add_surface_options(app, options->surface);
+  add_scene_options(app, options->time);
   auto* voxel = app.add_option("--voxel", options->convert.voxel, "voxel size, world units")
                     ->check(CLI::PositiveNumber & finite_number());
-  app.add_option("--dim", options->dim,
-                 "voxels along the longest side; 256 for a mesh, a volume's own if not given")
+  app.add_option(
+         "--dim", options->dim,
+         "voxels along the longest side; 256 for a mesh or scene, a volume's own if not given")
       ->check(CLI::Range(1, 100000))
       ->excludes(voxel);
   add_choice(app, "--method", options->method, kMethods, "how distances are made");

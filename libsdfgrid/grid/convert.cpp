@@ -1,8 +1,6 @@
 #include "sdfgrid/grid/convert.h"
 
 #include <fmt/format.h>
-#include <openvdb/io/io.h>
-#include <openvdb/tools/SignedFloodFill.h>
 
 #include <algorithm>
 #include <array>
@@ -10,15 +8,14 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <memory>
-#include <sstream>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/memory.h"
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/grid/level_set.h"
 #include "sdfgrid/grid/vdb.h"
 #include "sdfgrid/voxelize/empty_space.h"
 #include "sdfgrid/voxelize/mesh_voxelizer.h"
@@ -27,7 +24,6 @@ namespace sdfgrid {
 namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
-using LeafPointer = std::unique_ptr<Leaf>;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMostVoxels = 1e8;  // a side
 
@@ -45,20 +41,6 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-openvdb::Coord to_coord(const glm::ivec3& v) { return {v.x, v.y, v.z}; }
-
-LeafPointer make_leaf(const Brick& brick) {
-  auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), to_coord(brick.origin), 0.0F, false);
-  leaf->allocate();
-  std::memcpy(leaf->buffer().data(), brick.values, sizeof(float) * Leaf::SIZE);
-  Leaf::NodeMaskType mask;
-  for (openvdb::Index word = 0; word < 8; ++word) {
-    mask.getWord<openvdb::Index64>(word) = brick.active[word];
-  }
-  leaf->setValueMask(mask);
-  return leaf;
-}
-
 // The leaves of one node, by place, so that threads may fill them in any order.
 using NodeLeaves = std::vector<LeafPointer>;
 
@@ -75,7 +57,8 @@ NodeLeaves run_node(MeshVoxelizer& voxelizer, std::size_t node, const Job& job) 
       node,
       [&](const Brick& brick) {
         const glm::ivec3 at = (brick.origin - origin) / kBrickEdge;
-        leaves[(at.x * kNodeBricks + at.y) * kNodeBricks + at.z] = make_leaf(brick);
+        leaves[(at.x * kNodeBricks + at.y) * kNodeBricks + at.z] =
+            make_leaf(brick.origin, brick.values, brick.active);
       },
       job);
   std::erase(leaves, nullptr);
@@ -98,39 +81,6 @@ MeshLeaves make_leaves(const SignedMesh& mesh, const Lattice& lattice, const Ban
   });
   leaves.contradicted = voxelizer.contradicted();
   return leaves;
-}
-
-// OpenVDB refuses to construct a map whose voxels are below 1.4e-5 (their volume looks like zero to
-// it), but reads one from a file. Its record holds vectors that follow from the scale and the
-// translation.
-openvdb::math::Transform::Ptr make_transform(const Lattice& lattice) {
-  const openvdb::Vec3d translation(lattice.origin.x, lattice.origin.y, lattice.origin.z);
-  const double h = lattice.voxel;
-  std::stringstream record;
-  openvdb::io::setCurrentVersion(record);
-  openvdb::writeString(record, openvdb::math::UniformScaleTranslateMap::mapType());
-  translation.write(record);
-  for (const double v : {h, h, 1 / h, 1 / (h * h), 0.5 / h}) openvdb::Vec3d(v).write(record);
-  auto transform = std::make_shared<openvdb::math::Transform>();
-  transform->read(record);
-  return transform;
-}
-
-openvdb::FloatGrid::Ptr make_vdb(const Lattice& lattice, const Band& band, SignMethod sign) {
-  openvdb::initialize();
-  const auto grid = openvdb::FloatGrid::create(static_cast<float>(band.exwidth * lattice.voxel));
-  grid->setTransform(make_transform(lattice));
-  grid->setName("surface");
-  const bool is_signed = sign != SignMethod::no_sign;
-  grid->setGridClass(is_signed ? openvdb::GRID_LEVEL_SET : openvdb::GRID_UNKNOWN);
-  return grid;
-}
-
-// Closed meshes: beyond the band every sample is on the side of its neighbours.
-void flood_interior(openvdb::FloatGrid& grid, float in_background) {
-  constexpr openvdb::Index kAboveLeaves = 1;  // the bricks came out whole
-  openvdb::tools::signedFloodFillWithValues(grid.tree(), grid.background(), -in_background, true, 1,
-                                            kAboveLeaves);
 }
 
 // Whether the sign changes in the brick or between it and a sample beside it.
@@ -271,7 +221,8 @@ Conversion convert_mesh(const TriangleSoup& soup, const ConvertOptions& options,
   result.sign_reason = mesh.reason;
   result.warnings = mesh.warnings;
 
-  const auto vdb = make_vdb(lattice, options.band, mesh.method);
+  const auto vdb = make_level_set(lattice, options.band);
+  if (mesh.method == SignMethod::no_sign) vdb->setGridClass(openvdb::GRID_UNKNOWN);
   openvdb::tree::ValueAccessor<openvdb::FloatTree> accessor(vdb->tree());
   for (NodeLeaves& node : leaves.nodes) {
     for (LeafPointer& leaf : node) accessor.addLeaf(leaf.release());

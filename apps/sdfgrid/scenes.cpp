@@ -1,0 +1,28 @@
+#include "scenes.h"
+
+#include <algorithm>
+
+#include "options.h"
+
+namespace sdfgrid::cli {
+
+void add_scene_options(CLI::App& app, double& time) {
+  app.add_option("--time", time, "time of a scene: t in its formulas")
+      ->check(finite_number())
+      ->capture_default_str();
+}
+
+bool names_scene(const std::string& path) {
+  const auto& known = scene_extensions();
+  return std::find(known.begin(), known.end(), extension_of(path)) != known.end();
+}
+
+SceneModel load_scene(const std::string& path, double time, Context& context) {
+  const SceneFile file = read_scene(path);
+  for (const std::string& warning : file.warnings) context.warn(warning);
+  SceneModel model = build_scene(file.scene, path, time, context.job());
+  for (const std::string& warning : model.warnings) context.warn(warning);
+  return model;
+}
+
+}  // namespace sdfgrid::cli

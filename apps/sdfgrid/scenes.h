@@ -1,0 +1,21 @@
+// apps/sdfgrid/scenes.h: scene files as input of subcommands.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "command.h"
+#include "sdfgrid/scene/build.h"
+
+namespace sdfgrid::cli {
+
+// Registers --time.
+void add_scene_options(CLI::App& app, double& time);
+
+// Whether the path ends like a scene's.
+[[nodiscard]] bool names_scene(const std::string& path);
+
+// Reads a scene and makes its field; warnings go to the context.
+[[nodiscard]] SceneModel load_scene(const std::string& path, double time, Context& context);
+
+}  // namespace sdfgrid::cli
