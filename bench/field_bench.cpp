@@ -208,6 +208,37 @@ double median(std::vector<double> t) {
   return t[t.size() / 2];
 }
 
+// The exact ellipsoid against the cheap bound: time, and how much of the distance the bound gives.
+void ellipsoids(const Samples& at) {
+  std::vector<float> value(at.x.size());
+  for (const double thin : {1.0, 0.5, 0.2, 0.1, 0.05}) {
+    const Field exact = make_field("ellipsoid", {{"radii", {1, 1, thin}}});
+    const Field bound = make_field("ellipsoid_bound", {{"radii", {1, 1, thin}}});
+    const auto time = [&](const Field& f, std::vector<float>& out) {
+      return seconds(
+          [&] { f.evaluate(at.x.size(), at.x.data(), at.y.data(), at.z.data(), out.data()); });
+    };
+    std::vector<float> cheap(at.x.size());
+    const double n = static_cast<double>(value.size()) * 1e-9;
+    const double t_exact = time(exact, value) / n;
+    const double t_bound = time(bound, cheap) / n;
+    double least = 1;
+    double sum = 0;
+    std::size_t outside = 0;
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      if (value[i] < 0.01F) continue;
+      const double ratio = static_cast<double>(cheap[i]) / value[i];
+      least = std::min(least, ratio);
+      sum += ratio;
+      ++outside;
+    }
+    fmt::print(
+        "ellipsoid 1:1:{:<4} exact {:5.2f} ns/point, bound {:5.2f} ns/point, of the distance "
+        "it gives {:.3f} on average, {:.3f} at least\n",
+        thin, t_exact, t_bound, sum / static_cast<double>(outside), least);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -246,5 +277,6 @@ int main(int argc, char** argv) {
              median(t_batch) / n, median(t_tree) / median(t_batch), difference);
   fmt::print("pruned {:7.2f} ns/point  {:5.1f} times  {}\n", median(t_pruned) / n,
              median(t_tree) / median(t_pruned), same ? "the same bits as batch" : "OTHER BITS");
+  ellipsoids(all);
   return same ? 0 : 1;
 }

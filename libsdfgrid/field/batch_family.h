@@ -27,7 +27,7 @@ void apply(const BatchStep& s) {
     } else if constexpr (ops::Combination<Op>) {
       store(s.out + i, op.combine(Lanes(load(s.a + i)), Lanes(load(s.b + i)), p).v);
     } else if constexpr (ops::Range<Op>) {
-      store(s.out + i, op.value(Lanes(load(s.a + i)), p).v);
+      store(s.out + i, ops::changed_value(op, Lanes(load(s.a + i)), p, {s.data, s.count}).v);
     } else {
       const LanePoint q = op.inside(p);
       store(s.q[0] + i, q.x.v);

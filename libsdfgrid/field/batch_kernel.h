@@ -25,8 +25,9 @@ struct FieldKernel {
 const FieldKernel& field_kernel();
 
 // The families in the order of ops::Families.
-SDFGRID_DECLARE_ISAS(extern const FieldKernel kFieldKernel; extern const BatchFamily kCombinations,
-                                                            kRanges, kDomains, kWarps, kBasicLeaves,
-                                                            kFormulas)
+SDFGRID_DECLARE_ISAS(extern const FieldKernel kFieldKernel;
+                     extern const BatchFamily kCombinations, kBlends, kRanges, kDisplacements,
+                     kDomains, kFolds, kWarps, kMoreWarps, kBasicLeaves, kRoundLeaves, kSoftLeaves,
+                     kFractalLeaves, kTerrainLeaves, kFormulas)
 
 }  // namespace sdfgrid

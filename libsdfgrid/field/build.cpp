@@ -117,6 +117,12 @@ Instruction add_op(Draft& draft, int number, std::vector<float> parameters,
   if (op.prepare != nullptr) {
     op.prepare(parameters.data(), {list.data(), static_cast<int>(list.size())});
   }
+  const auto finite = [](float v) { return std::isfinite(v); };
+  if (!std::all_of(parameters.begin(), parameters.end(), finite)) {
+    throw refused_op(*op.entry.info,
+                     "its parameters make no solid: a direction of length 0, or sizes "
+                     "too far apart");
+  }
   std::vector<float>& constants = draft.pool.constants;
   Instruction at{};
   at.op = static_cast<std::uint16_t>(number);

@@ -101,6 +101,10 @@ class Field {
   // the box, anything elsewhere.
   [[nodiscard]] Field pruned(const Box& box) const;
 
+  // A function `float NAME(vec3 p)` in GLSL (1.30 and later, or ES 3.00) with the same values up to
+  // rounding. Throws Error{input} where a Sampler takes part.
+  [[nodiscard]] std::string glsl(const std::string& function = "field") const;
+
   // Marks all surfaces that carry no mark yet, by a number >= 0 (a material, say).
   [[nodiscard]] Field tagged(int tag) const;
   // The mark of the surface that decides the value at p, or -1.

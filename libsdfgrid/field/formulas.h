@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "sdfgrid/core/lattice.h"
 #include "sdfgrid/field/dual.h"
 #include "sdfgrid/field/formula_code.h"
 #include "sdfgrid/field/parameters.h"
@@ -93,6 +94,60 @@ struct SecondOrder {
   }
 };
 
-using Formulas = OpList<Formula, FirstOrder, SecondOrder>;
+// What is below the graph of a function of one variable.
+struct Function {
+  static constexpr OpInfo info = {
+      "function",
+      OpRole::leaf,
+      OpGuarantee::computed,
+      "The graph of a function f(x), revolved about x (revolve_x) or z (revolve_z, f of the "
+      "height) as "
+      "the radius there, or what is below it in y, extruded along z (extrude).",
+      "function: {f: \"0.5 + 0.2*sin(4*x)\", mode: revolve_z, from: -1, to: 1}",
+      "divided by sqrt(1 + f'^2) over its range: exact beside straight lines"};
+  static constexpr Parameter parameters[] = {
+      {"f", ParameterKind::text, "length", {kRequired, 0, 0}, 0, 0, "of x (and t)"},
+      {"mode",
+       ParameterKind::text,
+       "",
+       {0, 0, 0},
+       0,
+       0,
+       "revolve_z (the default), revolve_x, extrude"},
+      length_of("from", -1, "where the function begins"),
+      length_of("to", 1, "where it ends"),
+      length_of("floor", -1, "extrude: the bottom, in y"),
+      size("depth", 1, "extrude: along z"),
+      number("t", 0, -kAny, kAny, "time")};
+  static constexpr bool kList = true;
+  static Field make(const std::vector<Argument>& arguments);
+  float mode;  // 0 revolve_z, 1 revolve_x, 2 extrude
+  float from, to, bottom, depth;
+  float largest;  // of f over its range
+
+  template <class T>
+  T distance(const Point<T>& p, Data code) const {
+    const T u = mode == 0 ? p.z : p.x;
+    const T f = run_formula(code, Point<T>{clamp(u, from, to), T(0.0F), T(0.0F)});
+    const T ends = max(T(from) - u, u - to);
+    if (mode == 2) {
+      return max(max(p.y - f, ends), max(T(bottom) - p.y, abs(p.z) - 0.5F * depth));
+    }
+    const T r = mode == 0 ? length(p.x, p.y) : length(p.y, p.z);
+    return max(r - f, ends);
+  }
+  Box bounds(Data, double level) const {
+    const double grow = std::fmax(level, 0.0);
+    const double r = std::fmax(largest + grow, 0.0);
+    const double lo = from - grow;
+    const double hi = to + grow;
+    if (mode == 0) return {glm::dvec3(-r, -r, lo), glm::dvec3(r, r, hi)};
+    if (mode == 1) return {glm::dvec3(lo, -r, -r), glm::dvec3(hi, r, r)};
+    const double z = 0.5 * depth + grow;
+    return {glm::dvec3(lo, bottom - grow, -z), glm::dvec3(hi, largest + grow, z)};
+  }
+};
+
+using Formulas = OpList<Formula, FirstOrder, SecondOrder, Function>;
 
 }  // namespace sdfgrid::ops

@@ -15,7 +15,7 @@ template <class T>
 struct OpFunctions {
   T (*leaf)(const float* constants, Data data, const Point<T>& p) = nullptr;
   T (*combine)(const float* constants, const T& a, const T& b, const Point<T>& p) = nullptr;
-  T (*value)(const float* constants, const T& d, const Point<T>& p) = nullptr;
+  T (*value)(const float* constants, Data data, const T& d, const Point<T>& p) = nullptr;
   Point<T> (*inside)(const float* constants, const Point<T>& p) = nullptr;
 };
 
@@ -41,8 +41,8 @@ OpFunctions<T> functions_of() {
     f.inside = [](const float* c, const Point<T>& p) { return load_op<Op>(c).inside(p); };
   }
   if constexpr (Range<Op> || Leaves<Op>) {
-    f.value = [](const float* c, const T& d, const Point<T>& p) {
-      return load_op<Op>(c).value(d, p);
+    f.value = [](const float* c, Data data, const T& d, const Point<T>& p) {
+      return changed_value(load_op<Op>(c), d, p, data);
     };
   }
   return f;
@@ -89,7 +89,7 @@ T interpret(const Program& program, const std::vector<OpFunctions<T>>& functions
         values[top - 1] = f.combine(c, values[top - 1], values[top], points[inner]);
         break;
       case Step::range:
-        values[top - 1] = f.value(c, values[top - 1], points[inner]);
+        values[top - 1] = f.value(c, data_of(program, at), values[top - 1], points[inner]);
         break;
       case Step::enter:
         points[inner + 1] = f.inside(c, points[inner]);
@@ -97,7 +97,8 @@ T interpret(const Program& program, const std::vector<OpFunctions<T>>& functions
         break;
       case Step::leave:
         --inner;
-        if (f.value != nullptr) values[top - 1] = f.value(c, values[top - 1], points[inner]);
+        if (f.value != nullptr)
+          values[top - 1] = f.value(c, data_of(program, at), values[top - 1], points[inner]);
         break;
     }
   }

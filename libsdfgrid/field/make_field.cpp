@@ -12,7 +12,9 @@ Instruction add_op(Draft& draft, int number, const std::vector<Argument>& argume
   const CheckedArguments checked(entry, arguments);
   std::vector<float> parameters;
   std::vector<float> list;
+  if (registry()[number].list_of != nullptr) list = registry()[number].list_of(arguments);
   for (const Parameter& parameter : entry.parameters) {
+    if (parameter.kind == ParameterKind::text) continue;
     const std::vector<double> numbers = checked.numbers(parameter.name);
     auto& to = width_of(parameter.kind) > 0 ? parameters : list;
     for (const double v : numbers) to.push_back(static_cast<float>(v));
@@ -100,6 +102,10 @@ Field make_field(std::string_view name, const std::vector<Argument>& arguments,
   check_nodes(*entry, of.size());
   const int number = op_number(name);
   if (registry()[number].make != nullptr) return registry()[number].make(arguments);
+  const auto one = [&] { return of.size() == 1 ? of[0] : make_field("union", {}, of); };
+  if (registry()[number].make_around != nullptr) {
+    return registry()[number].make_around(arguments, one());
+  }
   Draft draft;
   switch (entry->info->role) {
     case OpRole::combination:
@@ -113,7 +119,7 @@ Field make_field(std::string_view name, const std::vector<Argument>& arguments,
     }
     case OpRole::range:
     case OpRole::domain:
-      append_unary(draft, number, arguments, of.size() == 1 ? of[0] : make_field("union", {}, of));
+      append_unary(draft, number, arguments, one());
       break;
   }
   const Field made = make_field(std::move(draft));

@@ -4,10 +4,16 @@
 
 #include <tuple>
 
+#include "sdfgrid/field/blends.h"
 #include "sdfgrid/field/combinations.h"
+#include "sdfgrid/field/displace.h"
 #include "sdfgrid/field/domains.h"
+#include "sdfgrid/field/folds.h"
 #include "sdfgrid/field/formulas.h"
 #include "sdfgrid/field/leaves_basic.h"
+#include "sdfgrid/field/leaves_fractal.h"
+#include "sdfgrid/field/leaves_round.h"
+#include "sdfgrid/field/leaves_soft.h"
 #include "sdfgrid/field/ranges.h"
 #include "sdfgrid/field/region.h"
 #include "sdfgrid/field/warps.h"
@@ -15,7 +21,9 @@
 namespace sdfgrid::ops {
 
 // The place of a family is part of an op's number: kFamilySize * place + place within the family.
-using Families = std::tuple<Combinations, Ranges, Domains, Warps, BasicLeaves, Formulas>;
+using Families =
+    std::tuple<Combinations, Blends, Ranges, Displacements, Domains, Folds, Warps, MoreWarps,
+               BasicLeaves, RoundLeaves, SoftLeaves, FractalLeaves, TerrainLeaves, Formulas>;
 
 // Calls visit.template operator()<Op>(number) for each op.
 template <class Visit, class... Op>

@@ -53,4 +53,13 @@ inline T leaf_value(const Op& op, const Point<T>& p, Data data) {
   }
 }
 
+template <class Op, class T>
+inline T changed_value(const Op& op, const T& d, const Point<T>& p, Data data) {
+  if constexpr (Lists<Op>) {
+    return op.value(d, p, data);
+  } else {
+    return op.value(d, p);
+  }
+}
+
 }  // namespace sdfgrid::ops

@@ -75,14 +75,15 @@ void marked_step(const Program& program, const Instruction& at, std::vector<Mark
       break;
     }
     case Step::range:
-      values.back().value = f.value(c, values.back().value, points.back());
+      values.back().value = f.value(c, data_of(program, at), values.back().value, points.back());
       break;
     case Step::enter:
       points.push_back(f.inside(c, points.back()));
       break;
     case Step::leave:
       points.pop_back();
-      if (f.value) values.back().value = f.value(c, values.back().value, points.back());
+      if (f.value)
+        values.back().value = f.value(c, data_of(program, at), values.back().value, points.back());
       break;
   }
 }

@@ -106,7 +106,8 @@ class Pruning {
         combine(at, f, c);
         break;
       case Step::range:
-        values_.back().range = f.value(c, values_.back().range, points_.back());
+        values_.back().range =
+            f.value(c, data_of(program_, at), values_.back().range, points_.back());
         break;
       case Step::enter:
         points_.push_back(f.inside(c, points_.back()));
@@ -116,7 +117,9 @@ class Pruning {
         points_.pop_back();
         values_.back().begin = entered_.back();
         entered_.pop_back();
-        if (f.value) values_.back().range = f.value(c, values_.back().range, points_.back());
+        if (f.value)
+          values_.back().range =
+              f.value(c, data_of(program_, at), values_.back().range, points_.back());
         break;
     }
   }

@@ -4,6 +4,7 @@
 
 #include "sdfgrid/field/interpret.h"
 #include "sdfgrid/field/leaf_bounds.h"
+#include "sdfgrid/field/leaves_sampled.h"
 
 namespace sdfgrid {
 namespace {
@@ -23,10 +24,12 @@ template <class Op>
 RegisteredOp registered() {
   RegisteredOp r;
   r.entry = {&Op::info, parameters_of<Op>()};
+  if constexpr (requires { &Op::make; }) r.make = Op::make;
   r.floats = std::is_empty_v<Op> ? 0 : sizeof(Op) / sizeof(float);
   r.list = Lists<Op>;
   r.convex = requires { Op::kConvex; };
-  if constexpr (requires { &Op::make; }) r.make = Op::make;
+  if constexpr (requires { &Op::make_around; }) r.make_around = Op::make_around;
+  if constexpr (requires { &Op::list_of; }) r.list_of = Op::list_of;
   if constexpr (requires(Op op, Data data) { op.prepare(data); }) {
     r.prepare = [](float* constants, Data data) {
       Op op = load_op<Op>(constants);
@@ -66,8 +69,13 @@ RegisteredOp registered() {
 }
 
 std::vector<RegisteredOp> make_registry() {
-  std::vector<RegisteredOp> all(std::tuple_size_v<Families> * kFamilySize);
+  constexpr int kFormulas = std::tuple_size_v<Families> * kFamilySize;
+  std::vector<RegisteredOp> all(kFormulas + SampledLeaves::size);
   each_op([&]<class Op>(int number) { all[number] = registered<Op>(); });
+  each_of(SampledLeaves{}, kFormulas, [&]<class Op>(int number) {
+    all[number].entry = {&Op::info, parameters_of<Op>()};
+    all[number].make = Op::make;
+  });
   return all;
 }
 

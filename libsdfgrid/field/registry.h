@@ -14,6 +14,10 @@ struct RegisteredOp {
   bool convex = false;       // combination and range: no steeper than the steepest operand
   // Makes the field where that takes more than numbers; null where it does not.
   Field (*make)(const std::vector<Argument>& arguments) = nullptr;
+  // The same of an op of one node.
+  Field (*make_around)(const std::vector<Argument>& arguments, const Field& node) = nullptr;
+  // Its list where that is not numbers.
+  std::vector<float> (*list_of)(const std::vector<Argument>& arguments) = nullptr;
   // Derives what the struct holds beside its parameters; throws Error{input}.
   void (*prepare)(float* constants, ops::Data data) = nullptr;
   // Tells a domain op where its node is; null if it need not know.

@@ -5,8 +5,10 @@
 namespace sdfgrid::SDFGRID_ISA {
 namespace {
 
-const BatchFamily* const kFamilies[] = {&kCombinations, &kRanges,      &kDomains,
-                                        &kWarps,        &kBasicLeaves, &kFormulas};
+const BatchFamily* const kFamilies[] = {
+    &kCombinations, &kBlends,        &kRanges,        &kDisplacements, &kDomains,
+    &kFolds,        &kWarps,         &kMoreWarps,     &kBasicLeaves,   &kRoundLeaves,
+    &kSoftLeaves,   &kFractalLeaves, &kTerrainLeaves, &kFormulas};
 
 void set_point(const float* p[3], const float* const from[3]) {
   for (int a = 0; a < 3; ++a) p[a] = from[a];

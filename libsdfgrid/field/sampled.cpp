@@ -24,6 +24,9 @@ ValueGradient sample_gradient(const Sampler& sampler, const glm::dvec3& p) {
     r.gradient[a] =
         (static_cast<double>(sample_at(sampler, hi)) - sample_at(sampler, lo)) / (2 * step);
   }
+  const double length = std::sqrt(r.gradient.x * r.gradient.x + r.gradient.y * r.gradient.y +
+                                  r.gradient.z * r.gradient.z);
+  if (length > 1) r.gradient /= length;
   return r;
 }
 

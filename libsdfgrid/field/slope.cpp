@@ -30,7 +30,7 @@ struct Place {
 struct SlopeOps {
   double (*leaf)(const float* c, Data data, const Point<Interval>& p) = nullptr;
   double (*combine)(const float* c, const Steep& a, const Steep& b, const Place& at) = nullptr;
-  double (*value)(const float* c, const Steep& d, const Place& at) = nullptr;
+  double (*value)(const float* c, Data data, const Steep& d, const Place& at) = nullptr;
   double (*stretch)(const float* c, const Point<Interval>& p) = nullptr;
 };
 
@@ -66,6 +66,8 @@ double combined_slope(const float* c, const Steep& a, const Steep& b, const Plac
     const Keep keep = op.keep(a.value, b.value);
     if (keep != Keep::both) return keep == Keep::first ? a.slope : b.slope;
     return std::fmax(a.slope, b.slope);
+  } else if constexpr (requires { op.slope(a.value, 1.0, b.value, 1.0, at.p, 1.0); }) {
+    return op.slope(a.value, a.slope, b.value, b.slope, at.p, at.stretch);
   } else {
     using D = Dual<Interval, 5>;
     const D r = op.combine(D::variable(a.value, 3), D::variable(b.value, 4), variables<5>(at.p, 0));
@@ -75,15 +77,17 @@ double combined_slope(const float* c, const Steep& a, const Steep& b, const Plac
 }
 
 template <class Op>
-double value_slope(const float* c, const Steep& d, const Place& at) {
+double value_slope(const float* c, Data data, const Steep& d, const Place& at) {
   const Op op = load_op<Op>(c);
   if constexpr (requires { Op::kConvex; }) {
     return d.slope;
   } else if constexpr (requires { op.slope(d.value, d.slope, at.p); }) {
     return op.slope(d.value, d.slope, at.p);
+  } else if constexpr (requires { op.slope(d.value, d.slope, at.p, at.stretch); }) {
+    return op.slope(d.value, d.slope, at.p, at.stretch);
   } else {
     using D = Dual<Interval, 4>;
-    const D r = op.value(D::variable(d.value, 3), variables<4>(at.p, 0));
+    const D r = changed_value(op, D::variable(d.value, 3), variables<4>(at.p, 0), data);
     return times(magnitude(r.d[3]), d.slope) + times(norm(r.d.data(), 3), at.stretch);
   }
 }
@@ -164,16 +168,18 @@ class SlopeReading {
         break;
       case Step::leave:
         places_.pop_back();
-        if (f.value != nullptr) change(f, s, c);
+        if (f.value != nullptr) change(at, f, s, c);
         break;
       case Step::range:
-        change(f, s, c);
+        change(at, f, s, c);
         break;
     }
   }
-  void change(const OpFunctions<Interval>& f, const SlopeOps& s, const float* c) {
+  void change(const Instruction& at, const OpFunctions<Interval>& f, const SlopeOps& s,
+              const float* c) {
     Steep& d = values_.back();
-    d = {f.value(c, d.value, places_.back().p), s.value(c, d, places_.back())};
+    const Data data = data_of(program_, at);
+    d = {f.value(c, data, d.value, places_.back().p), s.value(c, data, d, places_.back())};
   }
 
   const Program& program_;

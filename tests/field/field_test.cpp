@@ -92,6 +92,20 @@ TEST(Field, RefusesWithOpAndRemedy) {
             }),
             "sphere: `radius` is not a finite number");
   EXPECT_NE(refusal([] { (void)make_field("union"); }), "");
+  EXPECT_NE(refusal([] { (void)make_field("plane", {{"normal", {0, 0, 0}}}); }), "");
+  EXPECT_NE(refusal([] {
+              (void)make_field("linear", {{"matrix", {1, 0, 0, 1, 0, 0, 0, 0, 1}}},
+                               {make_field("sphere")});
+            }),
+            "");
+  EXPECT_NE(refusal([] {
+              (void)make_field("repeat", {{"cell", {1, 1, 1}}}, {make_field("sphere")});
+            }),
+            "");
+  EXPECT_NE(refusal([] {
+              (void)make_field("hyperize", {{"exponents", {0.5, 1, 1}}}, {make_field("sphere")});
+            }),
+            "");
 }
 
 TEST(Field, RefusesDeepNesting) {

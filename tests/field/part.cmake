@@ -1,6 +1,9 @@
 # Analytic fields: every op of the list against brute force and the other readings.
-sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/examples.cpp
+sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/exact_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/examples.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/field_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/formula_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/glsl_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/ops_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/slope_test.cpp)
 foreach(isa baseline avx2)

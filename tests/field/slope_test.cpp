@@ -88,6 +88,28 @@ TEST(LocalBounds, HoldInTheirCells) {
   EXPECT_EQ(of_ball.computed(), 1U);
 }
 
+// Hart's (51), sqrt(4 + (pi / a')^2) with k = pi / a' * (1 / r) here: the pairs that test every op
+// show that a strong twist is steeper than it says, and no steeper than ours.
+TEST(Slope, HartsTwistConstantIsTooSmall) {
+  const double k = M_PI;  // at r = 1, half a turn a unit
+  const double harts = 2.236;
+  const double ours = 0.5 * (k + std::sqrt(k * k + 4));
+  const auto twisted_x = [&](const glm::dvec3& p) {  // a plane across x, twisted
+    return std::cos(k * p.z) * p.x + std::sin(k * p.z) * p.y;
+  };
+  std::mt19937 random(15);
+  const Box cylinder{glm::dvec3(-1), glm::dvec3(1)};
+  double steepest = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const glm::dvec3 p = random_point(cylinder, random);
+    const glm::dvec3 q = p + 1e-3 * random_point(cylinder, random);
+    if (std::hypot(p.x, p.y) > 1 || std::hypot(q.x, q.y) > 1) continue;
+    steepest = std::fmax(steepest, std::fabs(twisted_x(p) - twisted_x(q)) / norm(p - q));
+  }
+  EXPECT_GT(steepest, 1.2 * harts);
+  EXPECT_LE(steepest, ours);
+}
+
 TEST(Slope, IsRefusedWhereThereIsNone) {
   try {
     (void)make_field("twist", {{"turns", 1}}, {make_field("plane", {{"normal", {1, 0, 0}}})});

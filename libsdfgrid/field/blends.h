@@ -1,0 +1,211 @@
+// field/blends.h: softer and rarer combinations: exponential and p-norm unions, superelliptic
+// blends, morphs, composition over a partition of space (internal to field/).
+#pragma once
+
+#include "sdfgrid/field/combinations.h"
+
+namespace sdfgrid {
+class Field;
+}
+
+namespace sdfgrid::ops {
+
+struct ExponentialUnion {
+  static constexpr OpInfo info = {
+      "exponential_union",
+      OpRole::combination,
+      OpGuarantee::bound,
+      "A union blended everywhere, the less the farther the distances are apart: -k log sum "
+      "e^(-d/k).",
+      "exponential_union: {k: 0.15, of: [{box: {size: [2, 2, 0.4]}}, {sphere: {radius: 0.7}}]}",
+      "its derivatives by the nodes are positive and sum to 1"};
+  static constexpr Parameter parameters[] = {size("k", 0.05, "width of the blend")};
+  static constexpr bool kConvex = true;
+  float k;
+
+  template <class T>
+  T combine(const T& a, const T& b, const Point<T>&) const {
+    return min(a, b) - log(T(1.0F) + exp(abs(a - b) * (-1 / k))) * k;
+  }
+  // Where the distances differ by 20 k the blend is below half a unit in the last place of 1, and
+  // adds exactly 0.
+  Keep keep(const Interval& a, const Interval& b) const {
+    return (b - a).lo >= 20 * k ? Keep::first : ((a - b).lo >= 20 * k ? Keep::second : Keep::both);
+  }
+  bool surface_of_first(double a, double b) const { return a <= b; }
+  double child_level(double level) const { return level + 0.6931472 * k; }
+  Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
+};
+
+struct PNormUnion {
+  static constexpr OpInfo info = {
+      "pnorm_union",
+      OpRole::combination,
+      OpGuarantee::bound,
+      "A union whose offset surfaces are rounded: (a^-p + b^-p)^(-1/p) outside, the plain union "
+      "inside any node. The surface itself is that of the union; offset it to see the blend.",
+      "offset: {by: 0.25, of: {pnorm_union: {p: 3, of: [{box: {size: [2, 2, 0.2]}}, {sphere: "
+      "{radius: 0.6}}]}}}",
+      "Krayer (22), whose sign between the powers is missing; for positive distances only"};
+  static constexpr Parameter parameters[] = {number("p", 4, 1, 64, "the larger the sharper")};
+  static constexpr bool kConvex = true;
+  float p;
+
+  template <class T>
+  T combine(const T& a, const T& b, const Point<T>&) const {
+    const T least = min(a, b);
+    const T most = max(max(a, b), T(1e-12F));
+    const T ratio = positive(least) / most;
+    return select(least > T(0.0F), least * pow(T(1.0F) + pow(ratio, p), -1 / p), least);
+  }
+  Keep keep(const Interval& a, const Interval& b) const {
+    // Inside, the other node does not matter.
+    return a.hi <= 0 && a.hi < b.lo ? Keep::first
+                                    : (b.hi <= 0 && b.hi < a.lo ? Keep::second : Keep::both);
+  }
+  bool surface_of_first(double a, double b) const { return a <= b; }
+  double child_level(double level) const {
+    return level > 0 ? level * std::pow(2.0, 1.0 / static_cast<double>(p)) : level;
+  }
+  Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
+};
+
+// N = (gA^p + gB^p)^(1/p) with gA = max(0, 1 - a / radius): the solid is where N >= 1. By Hoelder
+// its slope is at most K = (rA^-p + rB^-p)^(1/p). A point of the solid has a <= rA (1 - 2^(-1/p))
+// or the same of b: the better bound far away.
+struct Blend {
+  static constexpr OpInfo info = {
+      "blend",
+      OpRole::combination,
+      OpGuarantee::bound,
+      "A superelliptic blend: near both nodes the surface bulges, within `radius` of each.",
+      "blend: {radius: 0.5, power: 2, of: [{box: {size: [2, 2, 0.4]}}, {translate: {by: [0, 0, "
+      "0.5], "
+      "of: {sphere: {radius: 0.5}}}}]}",
+      "A. Rockwood 1989; Hart (43) as printed is undefined inside"};
+  static constexpr Parameter parameters[] = {
+      size("radius", 0.3, "how far from either node the blend reaches"),
+      number("power", 2, 1, 32, "2 is round, more is tighter")};
+  static constexpr bool kConvex = true;
+  float radius, power;
+  float scale, near;
+
+  void prepare(Data) {
+    scale = radius * std::pow(2.0F, -1 / power);
+    near = radius * (1 - std::pow(2.0F, -1 / power));
+  }
+  template <class T>
+  T combine(const T& a, const T& b, const Point<T>&) const {
+    const T g = positive(T(1.0F) - a * (1 / radius));
+    const T h = positive(T(1.0F) - b * (1 / radius));
+    const T larger = max(max(g, h), T(1e-12F));
+    const T n = larger * pow(T(1.0F) + pow(min(g, h) / larger, power), 1 / power);
+    return max((T(1.0F) - n) * scale, min(a, b) - near);
+  }
+  Keep keep(const Interval&, const Interval&) const { return Keep::both; }
+  bool surface_of_first(double a, double b) const { return a <= b; }
+  double child_level(double level) const { return level + near; }
+  Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
+};
+
+struct Morph {
+  static constexpr OpInfo info = {
+      "morph",
+      OpRole::combination,
+      OpGuarantee::bound,
+      "Between two nodes: (1 - weight) of the first distance and weight of the second.",
+      "morph: {weight: 0.5, of: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: 1}}]}",
+      "a convex combination of 1-Lipschitz functions"};
+  static constexpr Parameter parameters[] = {number("weight", 0.5, 0, 1, "of the second node")};
+  static constexpr bool kConvex = true;
+  float weight;
+
+  template <class T>
+  T combine(const T& a, const T& b, const Point<T>&) const {
+    return a * (1 - weight) + b * weight;
+  }
+  Keep keep(const Interval&, const Interval&) const { return Keep::both; }
+  bool surface_of_first(double, double) const { return weight < 0.5F; }
+  // Below a level one of the two must be.
+  Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
+};
+
+struct SpatialMorph {
+  static constexpr OpInfo info = {
+      "spatial_morph",
+      OpRole::combination,
+      OpGuarantee::computed,
+      "Changes from the first node at the point `from` to the second at the point `to`.",
+      "spatial_morph: {from: [-0.8, 0, 0], to: [0.8, 0, 0], of: [{box: {size: [2, 1, 1]}}, "
+      "{capsule: "
+      "{from: [-1, 0, 0], to: [1, 0, 0], radius: 0.3}}]}",
+      "the weight's slope times the difference of the distances adds to the slope"};
+  static constexpr Parameter parameters[] = {
+      position("from", 0, 0, -1, "where the first node is whole"),
+      position("to", 0, 0, 1, "where the second is")};
+  float from[3], to[3];
+  float axis[3];  // (to - from) / |to - from|^2
+
+  void prepare(Data) {
+    float squared = 0;
+    for (int i = 0; i < 3; ++i) squared += (to[i] - from[i]) * (to[i] - from[i]);
+    for (int i = 0; i < 3; ++i) axis[i] = squared > 0 ? (to[i] - from[i]) / squared : 0;
+  }
+  template <class T>
+  T combine(const T& a, const T& b, const Point<T>& p) const {
+    return mix(a, b, clamp(dot(axis, minus(p, from)), 0.0F, 1.0F));
+  }
+  // The weight w in [0, 1] leaves |da| (1 - w) + |db| w <= 1; its own slope comes on top.
+  double slope(const Interval& a, double slope_a, const Interval& b, double slope_b,
+               const Point<Interval>& p, double stretch) const {
+    const double own = std::hypot(axis[0], axis[1], axis[2]) * stretch;
+    const Interval t = dot(axis, minus(p, from));
+    const bool flat = t.lo >= 1 || t.hi <= 0;
+    const double other = flat ? 0 : magnitude(b - a) * own;
+    return std::fmax(slope_a, slope_b) + other;
+  }
+  Keep keep(const Interval&, const Interval&) const { return Keep::both; }
+  bool surface_of_first(double a, double b) const { return a <= b; }
+  Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
+};
+
+// With h the signed distance to the plane: the first node where h <= 0, the second elsewhere, and
+// what is in both nodes anyway, so that the plane itself is no surface within.
+struct Partition {
+  static constexpr OpInfo info = {"partition",
+                                  OpRole::combination,
+                                  OpGuarantee::bound,
+                                  "Space cut by a plane: the first node behind it, the second in "
+                                  "front of it. Nested, they make "
+                                  "any partition into convex parts.",
+                                  "partition: {normal: [1, 0.3, 0], distance: 0, of: [{sphere: "
+                                  "{radius: 1}}, {box: {size: [1.6, "
+                                  "1.2, 1.2]}}]}",
+                                  ""};
+  static constexpr Parameter parameters[] = {
+      vector("normal", 0, 0, 1, -kAny, kAny, "of the plane; any length but 0", ""),
+      length_of("distance", 0, "of the plane from the origin along the normal")};
+  float normal[3];
+  float offset;
+
+  void prepare(Data) {
+    const float l = std::hypot(normal[0], normal[1], normal[2]);
+    for (float& n : normal) n /= l > 0 ? l : 1;
+  }
+  template <class T>
+  T combine(const T& a, const T& b, const Point<T>& p) const {
+    const T h = dot(normal, p) - offset;
+    return min(min(max(a, h), max(b, -h)), max(a, b));
+  }
+  double slope(const Interval&, double slope_a, const Interval&, double slope_b,
+               const Point<Interval>&, double stretch) const {
+    return std::fmax(stretch, std::fmax(slope_a, slope_b));
+  }
+  Keep keep(const Interval&, const Interval&) const { return Keep::both; }
+  bool surface_of_first(double a, double b) const { return a <= b; }
+  Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
+};
+
+using Blends = OpList<ExponentialUnion, PNormUnion, Blend, Morph, SpatialMorph, Partition>;
+
+}  // namespace sdfgrid::ops

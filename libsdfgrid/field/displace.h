@@ -1,0 +1,110 @@
+// field/displace.h: surfaces moved by noise or a formula, and terrain (internal to field/).
+#pragma once
+
+#include <vector>
+
+#include "sdfgrid/core/lattice.h"
+#include "sdfgrid/field/formula_code.h"
+#include "sdfgrid/field/noise.h"
+#include "sdfgrid/field/ops.h"
+#include "sdfgrid/field/parameters.h"
+
+namespace sdfgrid {
+class Field;
+struct Argument;
+}  // namespace sdfgrid
+
+namespace sdfgrid::ops {
+
+struct NoiseDisplacement {
+  static constexpr OpInfo info = {
+      "noise_displace",
+      OpRole::range,
+      OpGuarantee::bound,
+      "Moves the surface of a node in and out by noise of several octaves.",
+      "noise_displace: {frequency: 2, amplitude: 0.08, octaves: 3, beta: 2, seed: 1, of: {sphere: "
+      "{radius: 1}}}",
+      "K. Perlin 2002; divided by 1 + 3.75 sum of amplitude times frequency"};
+  static constexpr Parameter parameters[] = {
+      number("frequency", 1, 1e-6, 1e6, "of the first octave", "1/length"),
+      number("amplitude", 0.1, 0, 1e6, "of the first octave", "length"),
+      whole("octaves", 1, 1, 12, "each of twice the frequency"),
+      number("beta", 2, 0, 10,
+             "power spectrum 1 / f^beta: an octave has 2^(-beta/2) of the last's amplitude"),
+      whole("seed", 0, 0, 500, "another noise")};
+  Octaves noise;
+  float scale;
+
+  void prepare(Data) { scale = static_cast<float>(1 / (1 + noise.slope() * 1.000001)); }
+  template <class T>
+  T value(const T& d, const Point<T>& p) const {
+    return (d - noise.value(p)) * scale;
+  }
+  double slope(const Interval&, double slope, const Point<Interval>&, double stretch) const {
+    return (slope + noise.slope() * stretch) * scale;
+  }
+  double child_level(double level) const { return level / scale + noise.largest() * 1.0001; }
+  Box bounds(const Box& a) const { return a; }
+};
+
+struct FormulaDisplacement {
+  static constexpr OpInfo info = {
+      "formula_displace",
+      OpRole::range,
+      OpGuarantee::computed,
+      "Moves the surface of a node outwards by a formula of the position.",
+      "formula_displace: {f: \"0.08 * sin(6*x) * sin(6*y) * sin(6*z)\", of: {sphere: {radius: 1}}}",
+      "slope by intervals of the formula's gradient"};
+  static constexpr Parameter parameters[] = {
+      {"f", ParameterKind::text, "length", {kRequired, 0, 0}, 0, 0, "how far, of x, y, z and t"},
+      size("largest", 0.5, "the solid may grow by this much; the formula is cut there"),
+      number("t", 0, -kAny, kAny, "time")};
+  static constexpr bool kList = true;
+  static std::vector<float> list_of(const std::vector<Argument>& arguments);
+  float largest, time;
+
+  template <class T>
+  T value(const T& d, const Point<T>& p, Data code) const {
+    return d - clamp(run_formula(code, p), -largest, largest);
+  }
+  double child_level(double level) const { return level + largest; }
+  Box bounds(const Box& a) const { return a; }
+};
+
+struct Terrain {
+  static constexpr OpInfo info = {
+      "terrain",
+      OpRole::leaf,
+      OpGuarantee::bound,
+      "Ground below a fractal height over x and y: spectral synthesis by octaves of noise.",
+      "terrain: {dimension: 2.2, seed: 3, size: 2, height: 0.4, octaves: 6}",
+      "R. F. Voss 1985: fractal dimension D has amplitudes 2^-(3 - D) per octave; divided by the "
+      "slope sqrt(1 + L^2)"};
+  static constexpr Parameter parameters[] = {
+      number("dimension", 2.2, 2, 3, "fractal dimension of the surface"),
+      whole("seed", 0, 0, 500, "another landscape"), size("size", 1, "of its largest hills"),
+      number("height", 0.3, 0, 1e6, "of its largest hills", "length"),
+      whole("octaves", 7, 1, 12, "of detail")};
+  float dimension, seed, extent, height, octaves;
+  Octaves noise;
+  float scale;
+
+  void prepare(Data) {
+    noise = {1 / extent, height, octaves, 2 * (3 - dimension), seed};
+    const double slope = noise.slope();
+    scale = static_cast<float>(1 / std::sqrt(1 + slope * slope * 1.000001));
+  }
+  template <class T>
+  T distance(const Point<T>& p) const {
+    return (p.z - noise.value(Point<T>{p.x, p.y, T(0.5F * extent)})) * scale;
+  }
+  Box bounds(Data, double level) const {
+    const double top = noise.largest() * 1.0001 + std::fmax(level, 0.0) / scale;
+    return {glm::dvec3(-kInfinity), glm::dvec3(kInfinity, kInfinity, top)};
+  }
+};
+
+using Displacements = OpList<NoiseDisplacement, FormulaDisplacement>;
+using TerrainLeaves = OpList<Terrain>;
+
+}  // namespace sdfgrid::ops

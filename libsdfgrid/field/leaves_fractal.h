@@ -1,0 +1,208 @@
+// field/leaves_fractal.h: fractals by folds, and by escaping orbits (internal to field/).
+#pragma once
+
+#include "sdfgrid/core/lattice.h"
+#include "sdfgrid/field/ops.h"
+#include "sdfgrid/field/parameters.h"
+
+namespace sdfgrid::ops {
+
+inline Box cube_around(double half, double level) {
+  const glm::dvec3 r(half + std::fmax(level, 0.0));
+  return {-r, r};
+}
+
+struct Menger {
+  static constexpr OpInfo info = {
+      "menger",
+      OpRole::leaf,
+      OpGuarantee::bound,
+      "Menger's sponge: a cube with square tunnels.",
+      "menger: {iterations: 4, size: 2}",
+      "each generation cuts a cross, found by reflecting space into one of its cells"};
+  static constexpr Parameter parameters[] = {
+      whole("iterations", 4, 0, 12, "generations of tunnels"), size("size", 2, "edge of the cube")};
+  float iterations, edge;
+
+  template <class T>
+  T distance(const Point<T>& p) const {
+    float half = 0.5F * edge;
+    T x = abs(p.x);
+    T y = abs(p.y);
+    T z = abs(p.z);
+    T d = box_distance(x - half, y - half, z - half);
+    for (int i = 0; i < static_cast<int>(iterations); ++i) {
+      const float third = half * (1.0F / 3);
+      // The cross: where two of the coordinates are within a third.
+      const T median = max(min(x, y), min(max(x, y), z));
+      d = max(d, third - median);
+      x = abs(third - abs(x - third));
+      y = abs(third - abs(y - third));
+      z = abs(third - abs(z - third));
+      half = third;
+    }
+    return d;
+  }
+  Box bounds(Data, double level) const { return cube_around(0.5 * edge, level); }
+};
+
+struct Sierpinski {
+  static constexpr OpInfo info = {
+      "sierpinski",
+      OpRole::leaf,
+      OpGuarantee::bound,
+      "Sierpinski's tetrahedron: four corners of a cube, halved again and again.",
+      "sierpinski: {iterations: 5, size: 2}",
+      "reflections into one corner, then doubling"};
+  static constexpr Parameter parameters[] = {whole("iterations", 5, 0, 16, "generations"),
+                                             size("size", 2, "edge of the cube around it")};
+  float iterations, edge;
+
+  template <class T>
+  T distance(const Point<T>& p) const {
+    const float half = 0.5F * edge;
+    float scale = 1;
+    T x = p.x;
+    T y = p.y;
+    T z = p.z;
+    const auto fold = [](T& a, T& b) {
+      const T s = min(a + b, T(0.0F));
+      a = a - s;
+      b = b - s;
+    };
+    for (int i = 0; i < static_cast<int>(iterations); ++i) {
+      fold(x, y);
+      fold(x, z);
+      fold(y, z);
+      x = x * 2.0F - half;
+      y = y * 2.0F - half;
+      z = z * 2.0F - half;
+      scale *= 0.5F;
+    }
+    // The tetrahedron with corners (1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1) times half.
+    const T face = max(max(-x - y - z, y + z - x), max(x + z - y, x + y - z));
+    return (face - half) * (0.577350269F * scale);
+  }
+  Box bounds(Data, double level) const { return cube_around(0.5 * edge, level * 1.7320508); }
+};
+
+// An orbit that has escaped stays where it is, so that no iteration overflows.
+struct Julia {
+  static constexpr OpInfo info = {
+      "julia",
+      OpRole::leaf,
+      OpGuarantee::estimate,
+      "The quaternion Julia set of z^2 + c: the points (x, y, z, 0) whose orbits stay.",
+      "julia: {c: [-0.2, 0.6, 0.2], w: 0.2, iterations: 9}",
+      "J. C. Hart, D. J. Sandin, L. H. Kauffman 1989: |z| ln |z| / (2 |z'|), z'_0 = 1"};
+  static constexpr Parameter parameters[] = {
+      vector("c", -0.2, 0.6, 0.2, -2, 2, "the first three parts of c", ""),
+      number("w", 0, -2, 2, "the fourth part of c"),
+      whole("iterations", 10, 1, 64, "of the orbit")};
+  float c[3];
+  float w;
+  float iterations;
+
+  template <class T>
+  T distance(const Point<T>& p) const {
+    T z[4] = {p.x, p.y, p.z, T(0.0F)};
+    T slope(1.0F);
+    for (int i = 0; i < static_cast<int>(iterations); ++i) {
+      const T r2 = square(z[0]) + square(z[1]) + square(z[2]) + square(z[3]);
+      const auto stays = r2 < T(256.0F);
+      slope = select(stays, slope * sqrt(r2) * 2.0F, slope);
+      const T next = square(z[0]) - square(z[1]) - square(z[2]) - square(z[3]) + c[0];
+      const T twice = z[0] * 2.0F;
+      z[1] = select(stays, twice * z[1] + c[1], z[1]);
+      z[2] = select(stays, twice * z[2] + c[2], z[2]);
+      z[3] = select(stays, twice * z[3] + w, z[3]);
+      z[0] = select(stays, next, z[0]);
+    }
+    const T r = sqrt(square(z[0]) + square(z[1]) + square(z[2]) + square(z[3]));
+    return escaped_distance(r, slope);
+  }
+  // |z| ln|z| / (2 |z'|) where the orbit has left the ball of radius 2, below 0 where it stays.
+  template <class T>
+  static T escaped_distance(const T& r, const T& slope) {
+    const T s = max(slope, T(1.0F));
+    return select(r > T(2.0F), r * log(max(r, T(2.0F))) * 0.5F / s, (r - 2.0F) * 0.5F / s);
+  }
+  // |z| > 2 escapes for |c| <= 2.
+  Box bounds(Data, double level) const {
+    return level > 0 ? cube_around(1e9, 0) : cube_around(2.6, 0);
+  }
+};
+
+struct Mandelbrot {
+  static constexpr OpInfo info = {
+      "mandelbrot",
+      OpRole::leaf,
+      OpGuarantee::estimate,
+      "The quaternion Mandelbrot set: the points c = (x, y, z, 0) for which the orbit of 0 stays.",
+      "mandelbrot: {iterations: 12}",
+      "|z| ln |z| / (2 |z'|) with z' <- 2 z z' + 1, z'_0 = 0 (Krayer 3.3.6 lacks the 1)"};
+  static constexpr Parameter parameters[] = {whole("iterations", 12, 1, 64, "of the orbit")};
+  float iterations;
+
+  // The set is that of the complex plane turned about x.
+  template <class T>
+  T distance(const Point<T>& p) const {
+    const T cy = length(p.y, p.z);
+    T x = p.x;
+    T y = cy;
+    T dx(1.0F);
+    T dy(0.0F);
+    for (int i = 0; i < static_cast<int>(iterations); ++i) {
+      const auto stays = square(x) + square(y) < T(65536.0F);
+      const T u = (x * dx - y * dy) * 2.0F + 1.0F;
+      const T v = (x * dy + y * dx) * 2.0F;
+      const T next = square(x) - square(y) + p.x;
+      y = select(stays, x * y * 2.0F + cy, y);
+      x = select(stays, next, x);
+      dx = select(stays, u, dx);
+      dy = select(stays, v, dy);
+    }
+    return Julia::escaped_distance(length(x, y), length(dx, dy));
+  }
+  Box bounds(Data, double level) const {
+    return level > 0 ? cube_around(1e9, 0) : cube_around(2.1, 0);
+  }
+};
+
+struct Mandelbulb {
+  static constexpr OpInfo info = {"mandelbulb",
+                                  OpRole::leaf,
+                                  OpGuarantee::estimate,
+                                  "The Mandelbulb: powers in spherical coordinates.",
+                                  "mandelbulb: {power: 8, iterations: 6}",
+                                  "D. White and P. Nylander 2009; |z| ln |z| / (2 |z'|)"};
+  static constexpr Parameter parameters[] = {number("power", 8, 2, 16, "of the map"),
+                                             whole("iterations", 6, 1, 32, "of the orbit")};
+  float power, iterations;
+
+  template <class T>
+  T distance(const Point<T>& p) const {
+    Point<T> z = p;
+    T slope(1.0F);
+    for (int i = 0; i < static_cast<int>(iterations); ++i) {
+      const T r = max(length(z), T(1e-6F));
+      const auto stays = r < T(8.0F);
+      const T raised = pow(r, power - 1);
+      const T theta = acos(clamp(z.z / r, -1.0F, 1.0F)) * power;
+      const T phi = atan2(z.y, z.x) * power;
+      const T out = raised * r;
+      slope = select(stays, raised * slope * power + 1.0F, slope);
+      z.x = select(stays, out * sin(theta) * cos(phi) + p.x, z.x);
+      z.y = select(stays, out * sin(theta) * sin(phi) + p.y, z.y);
+      z.z = select(stays, out * cos(theta) + p.z, z.z);
+    }
+    return Julia::escaped_distance(length(z), slope);
+  }
+  Box bounds(Data, double level) const {
+    return level > 0 ? cube_around(1e9, 0) : cube_around(1.5, 0);
+  }
+};
+
+using FractalLeaves = OpList<Menger, Sierpinski, Julia, Mandelbrot, Mandelbulb>;
+
+}  // namespace sdfgrid::ops

@@ -1,0 +1,160 @@
+// What ops derive from their node or from more than numbers: linear maps, repetition, displacement.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+
+#include "sdfgrid/field/build.h"
+#include "sdfgrid/field/displace.h"
+#include "sdfgrid/field/folds.h"
+#include "sdfgrid/field/formula.h"
+
+namespace sdfgrid::ops {
+namespace {
+
+// The largest singular value of a 3 x 3 matrix: the power method on its Gram matrix, from several
+// starts, a little rounded up.
+double largest_singular_value(const double m[9]) {
+  double largest = 0;
+  for (int start = 0; start < 4; ++start) {
+    double v[3] = {start == 0 || start == 3 ? 1.0 : 0.1, start == 1 || start == 3 ? 1.0 : 0.2,
+                   start == 2 || start == 3 ? 1.0 : 0.3};
+    double norm = 0;
+    for (int step = 0; step < 500; ++step) {
+      double u[3] = {};
+      double w[3] = {};
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) u[i] += m[3 * i + j] * v[j];
+      }
+      for (int j = 0; j < 3; ++j) {
+        for (int i = 0; i < 3; ++i) w[j] += m[3 * i + j] * u[i];
+      }
+      norm = std::sqrt(std::hypot(w[0], w[1], w[2]));
+      const double l = std::hypot(w[0], w[1], w[2]);
+      if (!(l > 0)) break;
+      for (int i = 0; i < 3; ++i) v[i] = w[i] / l;
+    }
+    largest = std::max(largest, norm);
+  }
+  return largest * (1 + 1e-6);
+}
+
+Error refused(const OpInfo& op, const std::string& what) {
+  return {ErrorKind::input, fmt::format("{}: {}", op.name, what)};
+}
+
+}  // namespace
+
+void Linear::prepare(Data) {
+  double rows[9];
+  std::copy(m, m + 9, rows);
+  const auto minor = [&](int i, int j) {
+    const int a = (i + 1) % 3;
+    const int b = (i + 2) % 3;
+    const int c = (j + 1) % 3;
+    const int d = (j + 2) % 3;
+    return rows[3 * a + c] * rows[3 * b + d] - rows[3 * a + d] * rows[3 * b + c];
+  };
+  const double determinant = rows[0] * minor(0, 0) + rows[1] * minor(0, 1) + rows[2] * minor(0, 2);
+  double back[9];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) back[3 * j + i] = minor(i, j) / determinant;
+  }
+  const double stretched = largest_singular_value(back);
+  if (!std::isfinite(stretched) || stretched > 1e6) {
+    throw refused(info, "the matrix is singular; give one that can be inverted");
+  }
+  std::transform(back, back + 9, inverse, [](double v) { return static_cast<float>(v); });
+  scale = static_cast<float>(1 / stretched);
+}
+
+std::vector<float> FormulaDisplacement::list_of(const std::vector<Argument>& given) {
+  const CheckedArguments arguments({&info, parameters}, given);
+  return parse_formula(arguments.text("f", nullptr), arguments.number("t"));
+}
+
+namespace {
+
+// A lower bound on a field over a box: the part with the least bound is split until that gains
+// little.
+double least_value(const Field& field, const Box& box) {
+  using Part = std::pair<double, Box>;
+  const auto later = [](const Part& a, const Part& b) { return a.first > b.first; };
+  std::priority_queue<Part, std::vector<Part>, decltype(later)> parts(later);
+  parts.push({field.range(box).lo, box});
+  for (int i = 0; i < 300; ++i) {
+    const auto [bound, part] = parts.top();
+    const glm::dvec3 size = part.size();
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+    const double middle = part.center()[axis];
+    if (!std::isfinite(middle) || !(size[axis] > 0)) break;
+    parts.pop();
+    Box half = part;
+    half.hi[axis] = middle;
+    parts.push({field.range(half).lo, half});
+    half = part;
+    half.lo[axis] = middle;
+    parts.push({field.range(half).lo, half});
+  }
+  return parts.top().first;
+}
+
+}  // namespace
+
+Field Repeat::make_around(const std::vector<Argument>& given, const Field& node) {
+  const CheckedArguments arguments({&info, parameters}, given);
+  const std::vector<double> edges = arguments.numbers("cell");
+  const Box content = node.bounds();
+  if (content.empty()) return {};
+  Box cell_box = content;  // of the node's own cell; along other axes where the node is
+  for (int a = 0; a < 3; ++a) {
+    if (edges[a] <= 0) continue;
+    cell_box.lo[a] = -0.5 * edges[a];
+    cell_box.hi[a] = 0.5 * edges[a];
+    if (content.lo[a] > cell_box.lo[a] && content.hi[a] < cell_box.hi[a]) continue;
+    throw refused(
+        info, fmt::format("the node reaches from {:g} to {:g} along {}, its cell only from "
+                          "{:g} to {:g}; enlarge the cell or move the node into it",
+                          content.lo[a], content.hi[a], "xyz"[a], cell_box.lo[a], cell_box.hi[a]));
+  }
+  double gap = kAny;
+  for (int a = 0; a < 3; ++a) {
+    if (edges[a] <= 0) continue;
+    for (const double side : {cell_box.lo[a], cell_box.hi[a]}) {
+      Box wall = cell_box;
+      for (int b = 0; b < 3; ++b) {
+        if (edges[b] > 0) continue;
+        // Beyond the node a 1-Lipschitz bound may fall again, so all of the axis counts.
+        wall.lo[b] = -kInfinity;
+        wall.hi[b] = kInfinity;
+      }
+      wall.lo[a] = wall.hi[a] = side;
+      gap = std::min(gap, least_value(node, wall));
+    }
+  }
+  if (!(gap > 0)) {
+    throw refused(info,
+                  "the node's distance is not above 0 on the walls of its cell; enlarge the cell");
+  }
+  Draft draft;
+  Instruction at = add_op(
+      draft, op_number("repeat"),
+      {static_cast<float>(edges[0]), static_cast<float>(edges[1]), static_cast<float>(edges[2])},
+      {});
+  // A hair less, for what single precision makes of a point on a wall.
+  Repeat op{};
+  std::copy_n(draft.pool.constants.data() + at.constants, sizeof op / sizeof(float),
+              reinterpret_cast<float*>(&op));
+  op.gap = static_cast<float>(gap * (1 - 1e-5));
+  std::copy_n(reinterpret_cast<const float*>(&op), sizeof op / sizeof(float),
+              draft.pool.constants.data() + at.constants);
+  at.step = Step::enter;
+  draft.code.push_back(at);
+  append(draft, node.program());
+  at.step = Step::leave;
+  draft.code.push_back(at);
+  return make_field(std::move(draft));
+}
+
+}  // namespace sdfgrid::ops
