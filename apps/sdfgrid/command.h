@@ -110,6 +110,7 @@ struct Command {
 // The table of subcommands, which also makes --help and the README's table.
 [[nodiscard]] std::span<const Command> commands();
 
+Run add_chart(CLI::App& app);
 Run add_compare(CLI::App& app);
 Run add_convert(CLI::App& app);
 Run add_info(CLI::App& app);

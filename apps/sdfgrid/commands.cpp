@@ -12,6 +12,8 @@ constexpr Command kCommands[] = {
     {"transform", "VOLUME -o OUT", "make a distance transform of a mask, labels or grey values",
      add_transform},
     {"render", "IN -o OUT.png|.exr", "show a grid, a mesh or a volume in a picture", add_render},
+    {"chart", "IN -o OUT.svg", "chart speed against accuracy of all methods on your own input",
+     add_chart},
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "sdfgrid/grid/convert_field.h"
 #include "sdfgrid/grid/dense.h"
 #include "sdfgrid/volume/write.h"
+#include "tolerance.h"
 
 namespace sdfgrid::cli {
 namespace {
@@ -29,6 +30,7 @@ struct Options {
   double inwidth = 0;
   std::optional<int> dim;
   SurfaceOptions surface;
+  ToleranceOptions tolerance;
   double time = 0;
 };
 
@@ -152,7 +154,31 @@ Exit run_surface(const Options& options, Context& context) {
   return Exit::done;
 }
 
+// Resolution and method found by measuring.
+Exit run_within(const Options& options, Context& context) {
+  Stopwatch watch;
+  const Surface surface = load_surface(options.input, options.surface, context);
+  watch.lap("read");
+  ConvertOptions convert = options.convert;
+  convert.band = band_of(options);
+  const Choice choice = choose_within(surface.soup, convert, {}, options.tolerance, context);
+  const Conversion& conversion = choice.conversion;
+  for (const std::string& warning : conversion.warnings) context.warn(warning);
+  watch.lap("choose");
+  Made made{conversion.grid, choice.chosen.method, std::string(sign_name(conversion.sign)),
+            conversion.sign_reason, std::nullopt};
+  if (made.method == "exact") made.max_error = kConvertError * made.grid.lattice().voxel;
+  save(made, options, context);
+  watch.lap("write");
+  describe(made, options, context);
+  report_seconds(surface, conversion, watch.seconds(), context);
+  return choice.within ? Exit::done : Exit::missed;
+}
+
 Exit run_scene(const Options& options, Context& context) {
+  if (!options.tolerance.tolerance.empty()) {
+    throw Error(ErrorKind::usage, "--tolerance is for meshes and volumes, not scenes");
+  }
   Stopwatch watch;
   const SceneModel scene = load_scene(options.input, options.time, context);
   watch.lap("read");
@@ -181,7 +207,9 @@ Exit run_scene(const Options& options, Context& context) {
 
 Exit run(const Options& options, Context& context) {
   check_output(options.output);
-  return names_scene(options.input) ? run_scene(options, context) : run_surface(options, context);
+  if (names_scene(options.input)) return run_scene(options, context);
+  return options.tolerance.tolerance.empty() ? run_surface(options, context)
+                                             : run_within(options, context);
 }
 
 }  // namespace
@@ -203,6 +231,7 @@ Run add_convert(CLI::App& app) {
          "voxels along the longest side; 256 for a mesh or scene, a volume's own if not given")
       ->check(CLI::Range(1, 100000))
       ->excludes(voxel);
+  add_tolerance(app, options->tolerance)->excludes(voxel)->excludes("--dim");
   add_choice(app, "--method", options->method, kMethods, "how distances are made");
   app.add_option("--width", options->width, "half-width of the band, voxels")
       ->check(CLI::Range(1.0, 1000.0) & finite_number())

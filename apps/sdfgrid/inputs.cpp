@@ -11,6 +11,7 @@
 #include "sdfgrid/image/stack.h"
 #include "sdfgrid/mesh/read.h"
 #include "sdfgrid/volume/isosurface.h"
+#include "sdfgrid/volume/regions.h"
 
 namespace sdfgrid::cli {
 namespace {
@@ -99,6 +100,8 @@ void add_surface_options(CLI::App& app, SurfaceOptions& options) {
       ->check(finite_number())
       ->type_name("V");
   app.add_flag("--below", options.inside_below, "inside are the samples below --iso instead");
+  app.add_flag("--largest", options.largest,
+               "only the largest connected piece inside, without supports and noise");
   add_volume_options(app, options.volume);
 }
 
@@ -119,7 +122,7 @@ Surface load_surface(const std::string& path, const SurfaceOptions& options, Con
     surface.read_seconds = watch.seconds()["total"];
     return surface;
   }
-  const VolumeFile file = load_volume(path, options.volume, context);
+  VolumeFile file = load_volume(path, options.volume, context);
   watch.lap("read");
   if (!options.iso) {
     const SampleRange range = sample_range(file.volume, job);
@@ -131,7 +134,9 @@ Surface load_surface(const std::string& path, const SurfaceOptions& options, Con
   surface.source = "volume";
   const glm::dvec3& spacing = file.volume.spacing;
   surface.spacing = std::min({spacing.x, spacing.y, spacing.z});
-  surface.soup = isosurface(file.volume, {*options.iso, !options.inside_below}, job);
+  const IsosurfaceOptions isosurface_options{*options.iso, !options.inside_below};
+  if (options.largest) (void)keep_largest_region(file.volume, isosurface_options, job);
+  surface.soup = isosurface(file.volume, isosurface_options, job);
   watch.lap("isosurface");
   surface.read_seconds = watch.seconds()["read"];
   surface.isosurface_seconds = watch.seconds()["isosurface"];

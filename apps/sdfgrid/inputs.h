@@ -39,9 +39,10 @@ struct SurfaceOptions {
   VolumeOptions volume;
   std::optional<double> iso;
   bool inside_below = false;
+  bool largest = false;
 };
 
-// Registers --iso and --below, and the volume options.
+// Registers --iso, --below and --largest, and the volume options.
 void add_surface_options(CLI::App& app, SurfaceOptions& options);
 
 // A mesh, from a file or out of a volume.

@@ -14,6 +14,7 @@
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/mesh/diagnose.h"
 #include "sdfgrid/mesh/reference.h"
+#include "sdfgrid/volume/regions.h"
 #include "volume/volumes.h"
 
 namespace sdfgrid {
@@ -232,6 +233,28 @@ TEST(Isosurface, NoSurfaceIsRefused) {
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::input);
     EXPECT_NE(std::string(error.what()).find("--iso"), std::string::npos);
+  }
+}
+
+// Two balls and a speck: the greater ball stays as it was, and what was around it.
+TEST(Isosurface, OnlyTheLargestRegionStays) {
+  const auto field = [](const glm::dvec3& p) {
+    const double great = 5 - glm::distance(p, {8, 8, 8});
+    const double small = 3 - glm::distance(p, {20, 20, 20});
+    return std::max({great, small, 0.5 - glm::distance(p, {20, 4, 4})});
+  };
+  for (const bool above : {true, false}) {
+    Volume volume = sampled({26, 26, 26}, field);
+    if (!above) {
+      for (float& v : std::get<std::vector<float>>(volume.samples)) v = -v;
+    }
+    const IsosurfaceOptions options{0.1 * (above ? 1 : -1), above};
+    EXPECT_EQ(diagnose(isosurface(volume, options, Job())).components, 3U);
+    EXPECT_EQ(keep_largest_region(volume, options, Job()), 2U);
+    const MeshDiagnosis left = diagnose(isosurface(volume, options, Job()));
+    EXPECT_EQ(left.components, 1U);
+    EXPECT_LT(glm::distance(left.bounds.center(), glm::dvec3(8)), 0.1);
+    EXPECT_EQ(keep_largest_region(volume, options, Job()), 0U);
   }
 }
 

@@ -1,0 +1,98 @@
+// chart and convert --tolerance on the command line.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/process.h"
+
+namespace sdfgrid::test {
+namespace {
+
+using nlohmann::json;
+
+std::string read_file(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class Chart : public ::testing::Test {
+ protected:
+  Folder folder_;
+  std::string cube_ = folder_.write("cube.off", cube_off());
+  std::string chart_ = folder_.path("chart.svg");
+};
+
+TEST_F(Chart, WritesPicturesAndTables) {
+  const Outcome made =
+      run({"chart", cube_, "-o", chart_, "--dims", "8,16,32", "--methods", "exact,sweep",
+           "--samples", "500", "--repeat", "1", "--threads", "1", "--json", "--quiet"});
+  ASSERT_EQ(made.exit, 0) << made.error;
+  EXPECT_EQ(folder_.files(), (std::vector<std::string>{"chart.csv", "chart.json", "chart.png",
+                                                       "chart.svg", "cube.off"}));
+  EXPECT_EQ(read_file(folder_.path("chart.png")).substr(1, 3), "PNG");
+  const std::string svg = read_file(chart_);
+  for (const char* text :
+       {"exact", "sweep", "Pareto front", "cube.off", "--threads 1", "smooth", "edge", "medial"}) {
+    EXPECT_NE(svg.find(text), std::string::npos) << text;
+  }
+  const std::string csv = read_file(folder_.path("chart.csv"));
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 7);
+  const json result = json::parse(made.out);
+  ASSERT_EQ(result["points"].size(), 6U);
+  // The front: nobody is better in both.
+  for (const json& point : result["points"]) {
+    const bool beaten =
+        std::any_of(result["points"].begin(), result["points"].end(), [&](const json& other) {
+          return other["seconds"] < point["seconds"] &&
+                 other["between"]["max_error"] < point["between"]["max_error"];
+        });
+    EXPECT_FALSE(point["on_front"].get<bool>() && beaten);
+    EXPECT_GT(point["bytes"].get<double>(), 0);
+    EXPECT_GT(point["seconds"].get<double>(), 0);
+    if (point["method"] == "exact") {
+      EXPECT_LT(point["voxels"]["max_error"].get<double>(), 1e-5 * point["voxel"].get<double>());
+    }
+  }
+  EXPECT_EQ(run({"chart", cube_, "-o", chart_, "--dims", "8"}).exit, 2) << "--force is needed";
+}
+
+TEST_F(Chart, WordsAreChecked) {
+  EXPECT_EQ(run({"chart", cube_, "-o", chart_, "--methods", "exakt"}).exit, 2);
+  EXPECT_EQ(run({"chart", cube_, "-o", folder_.path("chart.pdf")}).exit, 2);
+  EXPECT_EQ(run({"chart", folder_.path("none.off"), "-o", chart_}).exit, 4);
+}
+
+TEST_F(Chart, ConvertWithinATolerance) {
+  const std::string grid = folder_.path("cube.vdb");
+  const Outcome made =
+      run({"convert", cube_, "-o", grid, "--tolerance", "2%", "--json", "--quiet"});
+  ASSERT_EQ(made.exit, 0) << made.error;
+  const json result = json::parse(made.out);
+  EXPECT_EQ(result["tolerance"], 0.02);
+  EXPECT_LE(result["error"].get<double>(), 0.02);
+  EXPECT_EQ(result["within"], true);
+  EXPECT_GE(result["trials"].size(), 2U);
+  const Outcome check = run({"compare", grid, cube_, "--json", "--quiet"});
+  EXPECT_EQ(check.exit, 0) << check.error;
+}
+
+TEST_F(Chart, AToleranceOutOfReachIsThreeAndTheBestIsWritten) {
+  const std::string grid = folder_.path("cube.vdb");
+  const Outcome made = run({"convert", cube_, "-o", grid, "--tolerance", "1e-9", "--budget-mb",
+                            "60", "--json", "--quiet"});
+  EXPECT_EQ(made.exit, 3) << made.error;
+  EXPECT_EQ(json::parse(made.out)["within"], false);
+  EXPECT_TRUE(std::ifstream(grid).good());
+  for (const char* wrong : {"0", "-1", "1m", "%"}) {
+    EXPECT_EQ(run({"convert", cube_, "-o", grid, "--force", "--tolerance", wrong}).exit, 2)
+        << wrong;
+  }
+  EXPECT_EQ(run({"convert", cube_, "-o", grid, "--force", "--tolerance", "1", "--dim", "9"}).exit,
+            2);
+  EXPECT_EQ(run({"convert", cube_, "-o", grid, "--force", "--budget-s", "1"}).exit, 2);
+}
+
+}  // namespace
+}  // namespace sdfgrid::test
