@@ -40,3 +40,13 @@ if(NOT TARGET sdfgrid::volume_files)
     INTERFACE_INCLUDE_DIRECTORIES "${teem_INCLUDE_DIR};${nifti_INCLUDE_DIR}/nifti"
     INTERFACE_LINK_LIBRARIES "${teem_LIBRARY};${nifti_LIBRARY};${znz_LIBRARY}")
 endif()
+
+# Blosc comes with OpenVDB and brings no package file.
+find_path(Blosc_INCLUDE_DIR blosc.h REQUIRED)
+find_library(Blosc_LIBRARY blosc REQUIRED)
+if(NOT TARGET sdfgrid::Blosc)
+  add_library(sdfgrid::Blosc INTERFACE IMPORTED)
+  set_target_properties(sdfgrid::Blosc PROPERTIES
+    INTERFACE_INCLUDE_DIRECTORIES "${Blosc_INCLUDE_DIR}"
+    INTERFACE_LINK_LIBRARIES "${Blosc_LIBRARY}")
+endif()

@@ -115,6 +115,7 @@ Run add_compare(CLI::App& app);
 Run add_convert(CLI::App& app);
 Run add_info(CLI::App& app);
 Run add_render(CLI::App& app);
+Run add_sculpt(CLI::App& app);
 Run add_transform(CLI::App& app);
 
 }  // namespace sdfgrid::cli

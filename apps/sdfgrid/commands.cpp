@@ -14,6 +14,8 @@ constexpr Command kCommands[] = {
     {"render", "IN -o OUT.png|.exr", "show a grid, a mesh or a volume in a picture", add_render},
     {"chart", "IN -o OUT.svg", "chart speed against accuracy of all methods on your own input",
      add_chart},
+    {"sculpt", "GRID --strokes FILE -o OUT.vdb", "carve a grid by strokes, with sessions and undo",
+     add_sculpt},
 };
 
 }  // namespace

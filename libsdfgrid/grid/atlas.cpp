@@ -195,7 +195,7 @@ void Builder::add_bricks_at_sign_changes() {
 void Builder::fill(const openvdb::tree::ValueAccessor<const Tree>& values, const glm::ivec3& slot,
                    float* out) const {
   constexpr int kEdge = Atlas::kEdge;
-  const double voxel = atlas_.lattice.voxel;
+  const double per_voxel = 1 / atlas_.lattice.voxel;
   for (int n = 0; n < 8; ++n) {
     const glm::ivec3 step(n >> 2, (n >> 1) & 1, n & 1);
     const glm::ivec3 count = 8 - 7 * step;
@@ -207,7 +207,7 @@ void Builder::fill(const openvdb::tree::ValueAccessor<const Tree>& values, const
         float* to = out + ((x + 8 * step.x) * kEdge + y + 8 * step.y) * kEdge + 8 * step.z;
         for (int z = 0; z < count.z; ++z) {
           const float value = from != nullptr ? from[(x << 6) | (y << 3) | z] : tile;
-          to[z] = static_cast<float>(value / voxel);
+          to[z] = static_cast<float>(value * per_voxel);
         }
       }
     }

@@ -25,6 +25,8 @@ struct Atlas {
   static constexpr int kEdge = kBrick + 1;                // samples a side
   static constexpr int kSamples = kEdge * kEdge * kEdge;  // z fastest: (x * 9 + y) * 9 + z
   static constexpr int kOctants = 8;
+  // A jump is no longer, so that an edit changes none further away (grid/live_atlas.h).
+  static constexpr int kMostJump = 31;
   static constexpr int kHops = kOctants * kBrick * kBrick;  // words a brick
   static constexpr std::int32_t kOutside = -1;  // in `bricks`: no brick, the field is positive
   static constexpr std::int32_t kInside = -2;   // in `bricks`: no brick, the field is negative
@@ -38,7 +40,8 @@ struct Atlas {
   std::vector<std::int32_t> bricks;  // a slot, z fastest: >= 0 which brick, else kOutside, kInside
   std::int32_t crossing = 0;         // the bricks before this one are the crossing ones
   // For each octant a table of slots: the edge of the largest cube of slots that starts there, goes
-  // on in the octant's directions and holds no crossing brick; at most 255, and 0 in such a brick.
+  // on in the octant's directions and holds no crossing brick; at most kMostJump, and 0 in such a
+  // brick.
   std::vector<std::uint8_t> jumps;
   std::vector<float> samples;  // kSamples a brick, in voxels, negative inside
   // For each crossing brick and octant the same in cells, as if the brick were alone: 64 words,

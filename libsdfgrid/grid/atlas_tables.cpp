@@ -127,7 +127,7 @@ class JumpTable {
       const int z = step_.z > 0 ? count - 1 - k : k;
       const int beside = std::min({ahead[0][z], ahead[1][z], ahead[2][z]});
       const bool crossing = atlas_.crossing_brick({x, y, z}) >= 0;
-      const int jump = crossing ? 0 : std::min(std::min(beside, behind) + 1, 255);
+      const int jump = crossing ? 0 : std::min(std::min(beside, behind) + 1, Atlas::kMostJump);
       out[z] = static_cast<std::uint8_t>(jump);
       behind = std::min(beside, jump);
     }

@@ -80,6 +80,8 @@ void Grid::set_metadata(const std::string& key, double value) {
   storage_->vdb->insertMeta(key, openvdb::DoubleMetadata(value));
 }
 
+void Grid::remove_metadata(const std::string& key) { storage_->vdb->removeMeta(key); }
+
 Grid Grid::clone() const {
   auto storage = std::make_shared<GridStorage>();
   storage->vdb = storage_->vdb->deepCopy();

@@ -41,6 +41,7 @@ class Grid {
   [[nodiscard]] std::map<std::string, std::string> all_metadata() const;
   void set_metadata(const std::string& key, const std::string& value);
   void set_metadata(const std::string& key, double value);
+  void remove_metadata(const std::string& key);
 
   [[nodiscard]] Grid clone() const;
   [[nodiscard]] GridStorage& storage() const { return *storage_; }

@@ -91,7 +91,7 @@ TEST_P(AtlasTest, JumpsAreTheLargestEmptyCubes) {
   ASSERT_EQ(atlas_.jumps.size(), slots * Atlas::kOctants);
   for (int octant = 0; octant < Atlas::kOctants; ++octant) {
     for_each(glm::ivec3(0), atlas_.dims, [&](const glm::ivec3& slot) {
-      const int edge = empty_edge(slot, octant, atlas_.dims, 255, crossing);
+      const int edge = empty_edge(slot, octant, atlas_.dims, Atlas::kMostJump, crossing);
       ASSERT_EQ(atlas_.jumps[octant * slots + atlas_.place(slot)], edge)
           << named_.name << ", octant " << octant;
     });

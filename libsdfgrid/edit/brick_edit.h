@@ -1,0 +1,47 @@
+// edit/brick_edit.h: the new values of bricks, before they are written into a grid. Internal to
+// edit/.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+
+#include "sdfgrid/core/job.h"
+#include "sdfgrid/edit/combine_kernel.h"
+#include "sdfgrid/edit/stroke_plan.h"
+#include "sdfgrid/grid/bricks.h"
+
+namespace sdfgrid {
+
+struct BrickEdit {
+  glm::ivec3 brick{0};
+  GridBrick before;
+  alignas(64) float after[kBrickSamples];
+  CombineOutput made;  // made.after points to `after`
+};
+
+// What all edits of a stroke need to know of the grid.
+struct EditContext {
+  const GridBricks& bricks;
+  Lattice lattice;
+  BandLimits limits;
+  IndexBox range;
+};
+
+// Combines one brick with the union of its placements. edit.brick and edit.before are given.
+void combine_brick(const Stroke& stroke, const StrokePlan& plan, const PlannedBrick& planned,
+                   const EditContext& context, BrickEdit& edit);
+
+// One dab of a clay tool, in index space and voxels.
+struct ClayDab {
+  glm::dvec3 middle{0.0};
+  float radius = 0;
+  float strength = 0;          // with the pressure
+  glm::vec3 normal{0.0F};      // of the plane to flatten to, outwards
+  glm::vec3 from_plane{0.0F};  // from a point of that plane to the middle
+};
+
+// The same for clay tools. All active samples become suspects.
+void shape_brick(const Stroke& stroke, const ClayDab& dab, const EditContext& context,
+                 BrickEdit& edit);
+
+}  // namespace sdfgrid

@@ -1,0 +1,129 @@
+// Union, difference and intersection of one brick with a brush; declared in brick_edit.h.
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "sdfgrid/edit/brick_edit.h"
+
+namespace sdfgrid {
+namespace {
+
+CombineOp combine_op(StrokeOp op) {
+  if (op == StrokeOp::unite) return CombineOp::unite;
+  return op == StrokeOp::subtract ? CombineOp::subtract : CombineOp::intersect;
+}
+
+RoundSegment make_segment(const Placement& p, const glm::dvec3& first_sample) {
+  RoundSegment s{};
+  glm::dvec3 axis = p.to - p.from;
+  double growth = p.radius_to - p.radius_from;
+  double length = glm::length(axis);
+  glm::dvec3 a = p.from;
+  double radius = p.radius_from;
+  if (length <= std::abs(growth) || length < 1e-9) {  // one ball holds the other
+    if (growth > 0) {
+      a = p.to;
+      radius = p.radius_to;
+    }
+    length = 0;
+  }
+  for (int i = 0; i < 3; ++i) s.a[i] = static_cast<float>(a[i] - first_sample[i]);
+  s.radius = static_cast<float>(radius);
+  if (length == 0) return s;
+  const double sine = -growth / length;  // of the cone's half angle
+  for (int i = 0; i < 3; ++i) s.axis[i] = static_cast<float>(axis[i]);
+  s.over_length2 = static_cast<float>(1 / (length * length));
+  s.across = static_cast<float>(sine / (length * std::sqrt(1 - sine * sine)));
+  s.growth = static_cast<float>(growth);
+  return s;
+}
+
+// The least of the distances to the balls that reach the brick, voxels.
+void ball_distances(const StrokePlan& plan, const PlannedBrick& planned, float* distances) {
+  constexpr std::uint32_t kTogether = 16;
+  RoundSegment segments[kTogether];
+  alignas(64) float more[kBrickSamples];
+  const glm::dvec3 first = 8.0 * glm::dvec3(planned.brick);
+  for (std::uint32_t begin = planned.begin; begin < planned.end; begin += kTogether) {
+    const std::uint32_t end = std::min(begin + kTogether, planned.end);
+    for (std::uint32_t i = begin; i < end; ++i) {
+      segments[i - begin] = make_segment(plan.placements[plan.reaching[i]], first);
+    }
+    float* out = begin == planned.begin ? distances : more;
+    combine_kernel().sweep(segments, static_cast<std::int32_t>(end - begin), out);
+    if (out == distances) continue;
+    for (int i = 0; i < kBrickSamples; ++i) distances[i] = std::min(distances[i], more[i]);
+  }
+}
+
+void shape_distances(const BrushShape& shape, double voxel, const StrokePlan& plan,
+                     const PlannedBrick& planned, float* distances) {
+  float x[kBrickSamples];
+  float y[kBrickSamples];
+  float z[kBrickSamples];
+  float d[kBrickSamples];
+  const auto per_voxel = static_cast<float>(1 / voxel);
+  for (std::uint32_t i = planned.begin; i < planned.end; ++i) {
+    const Placement& p = plan.placements[plan.reaching[i]];
+    const glm::vec3 from((8.0 * glm::dvec3(planned.brick) - p.from) * p.flip * voxel);
+    const glm::vec3 step(p.flip * voxel);
+    for (int s = 0; s < kBrickSamples; ++s) {
+      x[s] = from.x + step.x * static_cast<float>(s >> 6);
+      y[s] = from.y + step.y * static_cast<float>(s >> 3 & 7);
+      z[s] = from.z + step.z * static_cast<float>(s & 7);
+    }
+    shape.distances(x, y, z, d, kBrickSamples);
+    for (int s = 0; s < kBrickSamples; ++s) {
+      const float distance = d[s] * per_voxel;
+      distances[s] = i == planned.begin ? distance : std::min(distances[s], distance);
+    }
+  }
+}
+
+// Cuts the brush off so far within the range that its band ends there.
+void clip_to_range(const IndexBox& range, double margin, const glm::ivec3& brick,
+                   float* distances) {
+  const glm::vec3 lo(glm::dvec3(range.lo) + margin);
+  const glm::vec3 hi(glm::dvec3(range.hi) - margin);
+  for (int s = 0; s < kBrickSamples; ++s) {
+    const glm::vec3 p(8 * brick + glm::ivec3(s >> 6, s >> 3 & 7, s & 7));
+    const glm::vec3 beyond = glm::max(lo - p, p - hi);
+    const float farthest = std::max({beyond.x, beyond.y, beyond.z});
+    const float box = farthest < 0 ? farthest : glm::length(glm::max(beyond, glm::vec3(0.0F)));
+    distances[s] = std::max(distances[s], box);
+  }
+}
+
+}  // namespace
+
+void combine_brick(const Stroke& stroke, const StrokePlan& plan, const PlannedBrick& planned,
+                   const EditContext& context, BrickEdit& edit) {
+  alignas(64) float distances[kBrickSamples];
+  const double voxel = context.lattice.voxel;
+  if (planned.begin == planned.end) {  // beyond the brush, for an intersection
+    std::fill(distances, distances + kBrickSamples, 1e9F);
+  } else if (stroke.brush.shape) {
+    shape_distances(*stroke.brush.shape, voxel, plan, planned, distances);
+  } else {
+    ball_distances(plan, planned, distances);
+  }
+  if (plan.clipped) {
+    const double margin = std::max(context.limits.outside, -context.limits.inside) / voxel + 1;
+    clip_to_range(context.range, margin, edit.brick, distances);
+  }
+  CombineInput in{};
+  in.op = combine_op(stroke.op);
+  in.brush = distances;
+  in.before = edit.before.values;
+  in.constant = edit.before.constant;
+  in.voxel = static_cast<float>(voxel);
+  in.smooth = static_cast<float>(stroke.smooth);
+  in.inside = context.limits.inside;
+  in.outside = context.limits.outside;
+  in.bound_inside = planned.overlapping || plan.clipped;
+  edit.made.after = edit.after;
+  combine_kernel().combine(in, edit.made);
+}
+
+}  // namespace sdfgrid

@@ -1,0 +1,345 @@
+#include "sdfgrid/edit/sculptor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <unordered_set>
+
+#include "sdfgrid/core/error.h"
+#include "sdfgrid/core/parallel.h"
+#include "sdfgrid/edit/block.h"
+#include "sdfgrid/edit/brick_edit.h"
+#include "sdfgrid/edit/stroke_plan.h"
+
+namespace sdfgrid {
+namespace {
+
+constexpr std::size_t kTogether = 4096;  // bricks whose new values are in memory at once
+constexpr std::size_t kGrain = 16;       // bricks a thread takes at a time
+constexpr std::size_t kTooFewToShare = 64;
+
+IndexBox default_range(const Grid& grid) {
+  IndexBox box;
+  grid.active_bounds(box.lo, box.hi);
+  const glm::ivec3 size = box.hi - box.lo + 1;
+  const int more = std::max(std::max(size.x, std::max(size.y, size.z)) / 2, 64);
+  return {box.lo - more, box.hi + more};
+}
+
+void check_grid(const Grid& grid, const BandLimits& limits) {
+  if (!grid.is_level_set()) {
+    throw Error(ErrorKind::input,
+                "the grid has no inside, so nothing can be added to it or taken away; convert with "
+                "a sign (--sign auto)");
+  }
+  if (grid.active_voxels() == 0) {
+    throw Error(ErrorKind::input, "the grid has no samples to sculpt; convert a mesh first");
+  }
+  const double widest = std::max(limits.outside, -limits.inside) / grid.lattice().voxel;
+  if (widest > kWidestBand + 1e-3) {
+    throw Error(ErrorKind::input,
+                fmt::format("the grid's band is {:.3g} voxels wide, sculpting takes at most {:g}; "
+                            "convert with a smaller --width",
+                            widest, kWidestBand));
+  }
+}
+
+// Whether no stroke of this kind can change a brick of one value.
+bool cannot_change(StrokeOp op, const GridBrick& brick, const BandLimits& limits) {
+  if (brick.values != nullptr) return false;
+  return op == StrokeOp::unite ? brick.constant <= limits.inside : brick.constant >= limits.outside;
+}
+
+bool is_empty(const std::uint64_t (&words)[8]) {
+  return std::all_of(std::begin(words), std::end(words), [](std::uint64_t w) { return w == 0; });
+}
+
+bool is_constant(const RedistancedBrick& brick) {
+  return is_empty(brick.active) &&
+         std::all_of(std::begin(brick.values), std::end(brick.values),
+                     [&](float value) { return value == brick.values[0]; });
+}
+
+void for_bricks(std::size_t count, const Job& job,
+                const std::function<void(std::size_t, std::size_t)>& body) {
+  if (count > kTooFewToShare) return parallel_for(count, kGrain, job, body);
+  job.checkpoint();
+  body(0, count);
+}
+
+}  // namespace
+
+// One stroke on its way through the grid. What it changed so far is in `record`.
+class Sculptor::Pass {
+ public:
+  Pass(Sculptor& sculptor, const Stroke& stroke, const Job& job)
+      : sculptor_(sculptor), stroke_(stroke), job_(job) {}
+
+  StrokeReport run() {
+    const double voxel = sculptor_.grid_.lattice().voxel;
+    PlanLimits limits;
+    limits.range = sculptor_.options_.range;
+    limits.margin =
+        (std::max(sculptor_.limits_.outside, -sculptor_.limits_.inside) + 1.25 * stroke_.smooth) /
+        voxel;
+    limits.max_bricks = sculptor_.options_.max_bricks;
+    plan_ = plan_stroke(stroke_, sculptor_.grid_.lattice(), limits);
+    if (stroke_.op == StrokeOp::intersect) add_bricks_beyond();
+    if (stroke_.op == StrokeOp::flatten) find_normals();
+    try {
+      is_csg(stroke_.op) ? combine() : shape();
+    } catch (...) {
+      record_.exchange(sculptor_.bricks_);
+      throw;
+    }
+    report_.dabs = plan_.dabs;
+    report_.warnings = plan_.warnings;
+    report_.bricks_touched = record_.size();
+    sculptor_.touched_ = record_.bricks();
+    sculptor_.history_.push(std::move(record_));
+    return report_;
+  }
+
+ private:
+  void add_bricks_beyond();
+  void combine();
+  void combine(std::size_t begin, std::size_t end);
+  void shape();
+  void shape(const ClayDab& dab, const std::vector<glm::ivec3>& bricks);
+  ClayDab dab_of(std::size_t placement) const;
+  void find_normals();
+  void commit(const BrickEdit& edit);
+  void remember(const glm::ivec3& brick, const GridBrick& now);
+  EditContext context() const {
+    return {sculptor_.bricks_, sculptor_.grid_.lattice(), sculptor_.limits_,
+            sculptor_.options_.range};
+  }
+  void remeasure();
+  void add_all_tasks();
+
+  Sculptor& sculptor_;
+  const Stroke& stroke_;
+  const Job& job_;
+  StrokePlan plan_;
+  UndoRecord record_;
+  std::unordered_set<std::uint64_t> remembered_;  // bricks in the record, where they may come twice
+  std::vector<RedistanceTask> tasks_;
+  std::vector<glm::vec3> normals_;  // for flattening, of each mirror image
+  StrokeReport report_;
+};
+
+// An intersection removes what is beyond the brush's reach, too.
+void Sculptor::Pass::add_bricks_beyond() {
+  std::vector<PlannedBrick> all;
+  const glm::ivec3 lo = sculptor_.options_.range.lo >> 3;
+  const glm::ivec3 hi = sculptor_.options_.range.hi >> 3;
+  std::size_t next = 0;
+  for (int x = lo.x; x <= hi.x; ++x) {
+    for (int y = lo.y; y <= hi.y; ++y) {
+      for (int z = lo.z; z <= hi.z; ++z) {
+        const glm::ivec3 brick(x, y, z);
+        if (next < plan_.bricks.size() && plan_.bricks[next].brick == brick) {
+          all.push_back(plan_.bricks[next++]);
+        } else if (!cannot_change(stroke_.op, sculptor_.bricks_.find(brick), sculptor_.limits_)) {
+          all.push_back({brick, 0, 0, false});
+        }
+      }
+    }
+  }
+  plan_.bricks = std::move(all);
+}
+
+void Sculptor::Pass::combine() {
+  for (std::size_t begin = 0; begin < plan_.bricks.size(); begin += kTogether) {
+    combine(begin, std::min(begin + kTogether, plan_.bricks.size()));
+  }
+  remeasure();
+}
+
+// Combines some of the planned bricks and writes them into the grid.
+void Sculptor::Pass::combine(std::size_t begin, std::size_t end) {
+  std::vector<const PlannedBrick*> planned;
+  std::vector<BrickEdit>& edits = sculptor_.edits_;
+  if (edits.size() < end - begin) edits.resize(end - begin);
+  for (std::size_t i = begin; i < end; ++i) {
+    const GridBrick before = sculptor_.bricks_.find(plan_.bricks[i].brick);
+    if (cannot_change(stroke_.op, before, sculptor_.limits_)) continue;
+    edits[planned.size()].brick = plan_.bricks[i].brick;
+    edits[planned.size()].before = before;
+    planned.push_back(&plan_.bricks[i]);
+  }
+  const EditContext context = this->context();
+  for_bricks(planned.size(), job_, [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) {
+      combine_brick(stroke_, plan_, *planned[i], context, edits[i]);
+    }
+  });
+  std::size_t changed = 0;
+  for (std::size_t i = 0; i < planned.size(); ++i) changed += edits[i].made.any_changed ? 1 : 0;
+  record_.reserve(record_.size() + changed);
+  for (std::size_t i = 0; i < planned.size(); ++i) commit(edits[i]);
+}
+
+// The dabs of a clay tool one after the other, each on what the last one left.
+void Sculptor::Pass::shape() {
+  std::vector<std::vector<glm::ivec3>> bricks(plan_.placements.size());
+  for (const PlannedBrick& planned : plan_.bricks) {
+    for (std::uint32_t i = planned.begin; i < planned.end; ++i) {
+      bricks[plan_.reaching[i]].push_back(planned.brick);
+    }
+  }
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    shape(dab_of(i), bricks[i]);
+    remeasure();
+    tasks_.clear();
+  }
+}
+
+void Sculptor::Pass::shape(const ClayDab& dab, const std::vector<glm::ivec3>& bricks) {
+  std::vector<BrickEdit>& edits = sculptor_.edits_;
+  std::size_t count = 0;
+  if (edits.size() < bricks.size()) edits.resize(bricks.size());
+  for (const glm::ivec3& brick : bricks) {
+    edits[count].brick = brick;
+    edits[count].before = sculptor_.bricks_.find(brick);
+    ++count;
+  }
+  const EditContext context = this->context();
+  for_bricks(count, job_, [&](std::size_t from, std::size_t to) {
+    const GridBricks finder(context.bricks);  // one serves one thread
+    const EditContext mine{finder, context.lattice, context.limits, context.range};
+    for (std::size_t i = from; i < to; ++i) shape_brick(stroke_, dab, mine, edits[i]);
+  });
+  for (std::size_t i = 0; i < count; ++i) commit(edits[i]);
+}
+
+// The plane to flatten to touches the surface at the first dab of the stroke, or of its mirror
+// image.
+ClayDab Sculptor::Pass::dab_of(std::size_t placement) const {
+  const Placement& p = plan_.placements[placement];
+  ClayDab dab;
+  dab.middle = p.from;
+  dab.radius = static_cast<float>(p.radius_from);
+  dab.strength = static_cast<float>(stroke_.strength * p.pressure);
+  if (stroke_.op != StrokeOp::flatten) return dab;
+  const std::size_t dabs = plan_.placements.size() >> stroke_.mirror.size();
+  dab.normal = normals_[placement / dabs];
+  dab.from_plane = glm::vec3(p.from - plan_.placements[placement / dabs * dabs].from);
+  return dab;
+}
+
+void Sculptor::Pass::find_normals() {
+  const std::size_t dabs = plan_.placements.size() >> stroke_.mirror.size();
+  const double voxel = sculptor_.grid_.lattice().voxel;
+  for (std::size_t i = 0; i < plan_.placements.size(); i += dabs) {
+    const glm::dvec3 at = plan_.placements[i].from;
+    const glm::ivec3 brick = glm::ivec3(glm::floor(at / 8.0));
+    Block block;
+    block.fill(sculptor_.bricks_, brick, 2, voxel);
+    const glm::vec3 g = block.sample(glm::vec3(at - 8.0 * glm::dvec3(brick))).gradient;
+    const float length = glm::length(g);
+    if (!(length > 0)) {
+      throw Error(ErrorKind::usage,
+                  "the path must begin at the surface, whose plane there is what is flattened to");
+    }
+    normals_.push_back(g / length);
+  }
+}
+
+// Puts a brick into the record if it is not there yet.
+void Sculptor::Pass::remember(const glm::ivec3& brick, const GridBrick& now) {
+  constexpr int kBits = 21;
+  constexpr std::uint64_t kMask = (std::uint64_t{1} << kBits) - 1;
+  const std::uint64_t key = (static_cast<std::uint64_t>(brick.x) & kMask) << 2 * kBits |
+                            (static_cast<std::uint64_t>(brick.y) & kMask) << kBits |
+                            (static_cast<std::uint64_t>(brick.z) & kMask);
+  if (remembered_.insert(key).second) record_.add(brick, now);
+}
+
+void Sculptor::Pass::commit(const BrickEdit& edit) {
+  GridBricks& bricks = sculptor_.bricks_;
+  const CombineOutput& made = edit.made;
+  if (made.any_changed) {
+    remember(edit.brick, edit.before);
+    if (made.all_inside || made.all_outside) {
+      bricks.drop(edit.brick,
+                  made.all_inside ? sculptor_.limits_.inside : sculptor_.limits_.outside);
+      return;
+    }
+    const GridBrick now = bricks.make(edit.brick);
+    std::memcpy(now.values, edit.after, sizeof edit.after);
+    std::memcpy(now.active, made.active, sizeof made.active);
+  }
+  if (sculptor_.options_.redistance == Redistance::off) return;
+  RedistanceTask task;
+  task.brick = edit.brick;
+  std::memcpy(task.suspect, made.suspect, sizeof task.suspect);
+  if (!is_csg(stroke_.op)) {
+    task.beside_surface = true;
+  } else if (stroke_.smooth > 0 || (stroke_.brush.shape && !stroke_.brush.shape->exact)) {
+    // What was made is no distance, beside the surface neither.
+    task.beside_surface = true;
+    for (int word = 0; word < 8; ++word)
+      task.suspect[word] |= made.changed[word] & made.active[word];
+  }
+  if (!is_empty(task.suspect)) tasks_.push_back(task);
+}
+
+void Sculptor::Pass::add_all_tasks() {
+  tasks_.clear();
+  for (const glm::ivec3& brick : all_bricks(sculptor_.grid_)) {
+    RedistanceTask task;
+    task.brick = brick;
+    std::memcpy(task.suspect, sculptor_.bricks_.find(brick).active, sizeof task.suspect);
+    tasks_.push_back(task);
+  }
+}
+
+void Sculptor::Pass::remeasure() {
+  if (sculptor_.options_.redistance == Redistance::full) add_all_tasks();
+  if (tasks_.empty()) return;
+  const std::vector<RedistancedBrick> found = redistance(
+      sculptor_.bricks_, sculptor_.grid_.lattice().voxel, sculptor_.limits_, tasks_, job_);
+  for (const RedistancedBrick& brick : found) {
+    const GridBrick now = sculptor_.bricks_.find(brick.brick);
+    remember(brick.brick, now);
+    std::memcpy(now.values, brick.values, sizeof brick.values);
+    std::memcpy(now.active, brick.active, sizeof brick.active);
+    if (is_constant(brick)) sculptor_.bricks_.drop(brick.brick, brick.values[0]);
+  }
+  report_.remeasured += found.size();
+}
+
+Sculptor::Sculptor(const Grid& grid, const SculptOptions& options)
+    : grid_(grid),
+      options_(options),
+      limits_(band_limits(grid)),
+      bricks_(grid),
+      history_(options.undo) {
+  check_grid(grid, limits_);
+  if (options_.range.lo.x > options_.range.hi.x) options_.range = default_range(grid);
+}
+
+Sculptor::~Sculptor() = default;
+
+StrokeReport Sculptor::apply(const Stroke& stroke, const Job& job) {
+  return Pass(*this, stroke, job).run();
+}
+
+bool Sculptor::undo() {
+  if (history_.undoable() == 0) return false;
+  touched_ = history_.undo(bricks_);
+  return true;
+}
+
+bool Sculptor::redo() {
+  if (history_.redoable() == 0) return false;
+  touched_ = history_.redo(bricks_);
+  return true;
+}
+
+}  // namespace sdfgrid

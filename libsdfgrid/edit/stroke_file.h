@@ -1,0 +1,30 @@
+// edit/stroke_file.h: strokes as text that people write and read (docs/sculpting.md has the words):
+//
+//   sdfgrid-strokes: 1
+//   strokes:
+//     - {op: union, brush: {sphere: {radius: 0.05}}, path: [[0, 0, 1], [0.2, 0, 1]]}
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sdfgrid/edit/stroke.h"
+
+namespace sdfgrid {
+
+struct StrokeFile {
+  std::vector<Stroke> strokes;        // each with its text
+  std::vector<std::string> warnings;  // words that were not understood, with their lines
+};
+
+// Throws Error{input} with file, line and remedy for what is not such a file, and for a stroke
+// without op, brush or path or with a value of the wrong kind.
+[[nodiscard]] StrokeFile read_strokes(const std::string& path);
+
+// The same of text; `source` is what messages call it.
+[[nodiscard]] StrokeFile parse_strokes(const std::string& text, const std::string& source);
+
+// One stroke from Stroke::text.
+[[nodiscard]] Stroke parse_stroke(const std::string& text, const std::string& source);
+
+}  // namespace sdfgrid

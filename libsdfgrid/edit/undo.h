@@ -1,0 +1,98 @@
+// edit/undo.h: what strokes changed, so that they can be undone and redone to the last bit.
+//
+// A record holds the other state of each brick that its stroke changed: while the stroke stands,
+// what was there before; once it is undone, what it made. Undo and redo exchange the two, so one
+// copy is enough. Old records are compressed beyond a budget of memory, and beyond that handed to a
+// store if there is one (a file, say: this room opens none itself), else forgotten.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sdfgrid/grid/bricks.h"
+
+namespace sdfgrid {
+
+class UndoRecord {
+ public:
+  void reserve(std::size_t bricks);
+  // Adds the state of a brick as it is now. Each brick once.
+  void add(const glm::ivec3& brick, const GridBrick& now);
+  // Exchanges every brick's state with the grid's.
+  void exchange(GridBricks& grid);
+
+  [[nodiscard]] std::vector<glm::ivec3> bricks() const;
+  [[nodiscard]] std::size_t size() const { return states_.size(); }
+  [[nodiscard]] std::size_t bytes() const;  // of memory
+
+  // The record as one block of bytes, compressed without loss, and back.
+  [[nodiscard]] std::vector<std::byte> pack() const;
+  [[nodiscard]] static UndoRecord unpack(std::span<const std::byte> packed);
+
+ private:
+  struct State {
+    glm::ivec3 brick;
+    float constant;     // if it has no samples
+    std::int32_t slot;  // of its samples, -1 for none
+  };
+  void store(State& state, const GridBrick& now);
+
+  std::vector<State> states_;
+  std::vector<float> values_;          // kBrickSamples a slot
+  std::vector<std::uint64_t> active_;  // kBrickWords a slot
+};
+
+// Where records go that memory has no room for.
+class UndoStore {
+ public:
+  virtual ~UndoStore() = default;
+  // Keeps the bytes and returns a name for them. Throws Error{failed} if it cannot.
+  virtual std::size_t put(std::span<const std::byte> bytes) = 0;
+  [[nodiscard]] virtual std::vector<std::byte> get(std::size_t name) = 0;
+};
+
+struct UndoOptions {
+  std::size_t full_bytes =
+      256U << 20;  // of records as they are, 0: keep none; older ones are compressed
+  std::size_t packed_bytes = 256U << 20;  // of compressed ones; older ones are spilled or forgotten
+  UndoStore* store = nullptr;             // must outlive the history
+};
+
+// The strokes that can be undone and those that can be redone.
+class UndoHistory {
+ public:
+  explicit UndoHistory(const UndoOptions& options = {}) : options_(options) {}
+
+  // A new stroke: what could be redone is gone.
+  void push(UndoRecord record);
+  // Exchange the last stroke (the last undone one) with the grid and return its bricks; nothing
+  // happens, and nothing is returned, if there is none.
+  std::vector<glm::ivec3> undo(GridBricks& grid);
+  std::vector<glm::ivec3> redo(GridBricks& grid);
+
+  [[nodiscard]] std::size_t undoable() const { return done_; }
+  [[nodiscard]] std::size_t redoable() const { return entries_.size() - done_; }
+  [[nodiscard]] std::size_t bytes() const;  // of memory
+
+ private:
+  enum class Where { full, packed, spilled };
+  struct Entry {
+    Where where = Where::full;
+    UndoRecord record;
+    std::vector<std::byte> packed;
+    std::size_t name = 0;
+  };
+  std::vector<glm::ivec3> exchange(Entry& entry, GridBricks& grid);
+  void keep_within_budget();
+
+  UndoOptions options_;
+  std::deque<Entry> entries_;  // oldest first
+  std::size_t done_ = 0;       // the first so many of them stand
+};
+
+}  // namespace sdfgrid

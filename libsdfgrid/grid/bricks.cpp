@@ -1,0 +1,80 @@
+#include "sdfgrid/grid/bricks.h"
+
+#include "sdfgrid/grid/vdb.h"
+
+namespace sdfgrid {
+namespace {
+
+using Tree = openvdb::FloatTree;
+using Leaf = Tree::LeafNodeType;
+
+openvdb::Coord corner(const glm::ivec3& brick) { return {brick.x * 8, brick.y * 8, brick.z * 8}; }
+
+GridBrick view(Leaf& leaf) {
+  return {leaf.buffer().data(), &leaf.getValueMask().getWord<openvdb::Index64>(0), 0.0F};
+}
+
+}  // namespace
+
+struct GridBricks::Access {
+  explicit Access(Tree& tree) : values(tree) {}
+  openvdb::tree::ValueAccessor<Tree> values;
+};
+
+GridBricks::GridBricks(const Grid& grid)
+    : grid_(grid), access_(std::make_unique<Access>(vdb(grid)->tree())) {}
+
+GridBricks::GridBricks(const GridBricks& other) : GridBricks(other.grid_) {}
+
+GridBricks::~GridBricks() = default;
+
+GridBrick GridBricks::find(const glm::ivec3& brick) const {
+  const openvdb::Coord at = corner(brick);
+  if (Leaf* leaf = access_->values.probeLeaf(at)) return view(*leaf);
+  return {nullptr, nullptr, access_->values.getValue(at)};
+}
+
+GridBrick GridBricks::make(const glm::ivec3& brick) {
+  return view(*access_->values.touchLeaf(corner(brick)));
+}
+
+void GridBricks::drop(const glm::ivec3& brick, float value) {
+  // Not through an accessor, and all of them forget: any may remember the leaf that is deleted
+  // here.
+  access_->values.tree().addTile(1, corner(brick), value, false);
+  access_->values.tree().clearAllAccessors();
+}
+
+std::vector<glm::ivec3> all_bricks(const Grid& grid) {
+  std::vector<glm::ivec3> bricks;
+  const Tree& tree = vdb(grid)->tree();
+  bricks.reserve(tree.leafCount());
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+    const openvdb::Coord at = leaf->origin();
+    bricks.emplace_back(at.x() >> 3, at.y() >> 3, at.z() >> 3);
+  }
+  return bricks;
+}
+
+void compact(const Grid& grid) {
+  vdb(grid)->tree().clearAllAccessors();
+  vdb(grid)->pruneGrid();
+}
+
+BandLimits band_limits(const Grid& grid) {
+  const Tree& tree = vdb(grid)->tree();
+  BandLimits limits{-tree.background(), tree.background()};
+  auto tile = tree.cbeginValueOff();
+  tile.setMaxDepth(Tree::ValueOffCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) {
+    if (*tile < 0) return {*tile, limits.outside};
+  }
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+    for (auto off = leaf->cbeginValueOff(); off; ++off) {
+      if (*off < 0) return {*off, limits.outside};
+    }
+  }
+  return limits;
+}
+
+}  // namespace sdfgrid

@@ -1,0 +1,70 @@
+// grid/bricks.h: the 8^3 bricks of a Grid by their coordinates, for those who change them in place.
+// OpenVDB stays behind it.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <vector>
+
+#include "sdfgrid/grid/grid.h"
+
+namespace sdfgrid {
+
+inline constexpr int kBrickSamples = 512;  // z fastest: (x * 8 + y) * 8 + z
+inline constexpr int kBrickWords = 8;      // of a bit a sample: word x, bit y * 8 + z
+
+// What the grid holds of one brick: samples, or one value everywhere.
+struct GridBrick {
+  float* values = nullptr;          // kBrickSamples, world units; null where the grid has no leaf
+  std::uint64_t* active = nullptr;  // kBrickWords; null with `values`
+  float constant = 0;               // the value of all samples where `values` is null
+};
+
+// Looks bricks up, makes and drops them. Pointers stay good until that brick is dropped. One object
+// serves one thread (it remembers the way to the last brick); finding is safe beside other finders,
+// making and dropping is not. Keeps the grid alive.
+class GridBricks {
+ public:
+  explicit GridBricks(const Grid& grid);
+  GridBricks(const GridBricks& other);
+  GridBricks& operator=(const GridBricks&) = delete;
+  ~GridBricks();
+
+  // `brick` is the sample's index >> 3.
+  [[nodiscard]] GridBrick find(const glm::ivec3& brick) const;
+  // As find, but where there was a constant there are samples of it now.
+  [[nodiscard]] GridBrick make(const glm::ivec3& brick);
+  // Puts one inactive value in place of the brick.
+  void drop(const glm::ivec3& brick, float value);
+
+ private:
+  struct Access;
+  Grid grid_;
+  std::unique_ptr<Access> access_;
+};
+
+// Samples from lo to hi, both included; empty while lo > hi.
+struct IndexBox {
+  glm::ivec3 lo{0};
+  glm::ivec3 hi{-1};
+};
+
+// Every brick of the grid that has samples, in the order of the tree.
+[[nodiscard]] std::vector<glm::ivec3> all_bricks(const Grid& grid);
+
+// Puts constants in place of all bricks and larger nodes of one value and state, so that grids with
+// the same samples have the same file, whatever was done to them before.
+void compact(const Grid& grid);
+
+// The two values of a level set beyond its band, world units.
+struct BandLimits {
+  float inside;   // < 0
+  float outside;  // > 0, the background
+};
+
+// `inside` is the value of the first interior tile or inactive interior sample, or minus the
+// background in a grid without any.
+[[nodiscard]] BandLimits band_limits(const Grid& grid);
+
+}  // namespace sdfgrid

@@ -1,0 +1,87 @@
+// An atlas that follows its grid says what a new one says.
+#include "sdfgrid/grid/live_atlas.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+#include <random>
+
+#include "edit/grids.h"
+#include "sdfgrid/edit/sculptor.h"
+#include "sdfgrid/trace/trace.h"
+
+namespace sdfgrid {
+namespace {
+
+using namespace sdfgrid::test;
+
+void expect_same(const LiveAtlas& live, const Grid& grid, const std::string& when) {
+  const Atlas& a = live.atlas();
+  const Atlas fresh = make_atlas(grid, Job());
+  for (int x = -40; x <= 40; ++x) {
+    for (int y = -40; y <= 40; ++y) {
+      for (int z = -40; z <= 40; ++z) {
+        ASSERT_EQ(a.value({x, y, z}), fresh.value({x, y, z})) << when;
+      }
+    }
+  }
+  // The same hits, whatever the tables say of the way there.
+  std::mt19937 random(11);
+  std::normal_distribution<double> direction;
+  std::uniform_real_distribution<double> place(-4, 4);
+  int hits = 0;
+  for (int i = 0; i < 3000; ++i) {
+    Ray ray;
+    ray.origin = {place(random), place(random), place(random)};
+    ray.direction =
+        glm::normalize(glm::dvec3(direction(random), direction(random), direction(random)));
+    const auto expected = trace_ray(fresh, ray);
+    const auto got = trace_ray(a, ray);
+    ASSERT_EQ(expected.has_value(), got.has_value()) << when;
+    if (!expected) continue;
+    ++hits;
+    ASSERT_NEAR(*expected, *got, 1e-9) << when;
+  }
+  EXPECT_GT(hits, 50) << when;
+}
+
+TEST(LiveAtlas, FollowsStrokesUndoAndRedo) {
+  const Grid grid = ball_grid(15);
+  Sculptor sculptor(grid);
+  LiveAtlas live(grid, Job());
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> place(-16, 16);
+  std::uniform_real_distribution<double> radius(2, 8);
+  for (int i = 0; i < 12; ++i) {
+    const auto op = i % 2 == 0 ? StrokeOp::unite : StrokeOp::subtract;
+    (void)sculptor.apply(
+        ball_stroke(op, {place(random), place(random), place(random)}, radius(random)), Job());
+    live.refresh(sculptor.touched(), Job());
+    if (i % 4 == 3) {
+      sculptor.undo();
+      live.refresh(sculptor.touched(), Job());
+      sculptor.undo();
+      live.refresh(sculptor.touched(), Job());
+      sculptor.redo();
+      live.refresh(sculptor.touched(), Job());
+    }
+    expect_same(live, grid, "stroke " + std::to_string(i));
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST(LiveAtlas, GrowsWithItsGrid) {
+  const Grid grid = ball_grid(10);
+  Sculptor sculptor(grid);
+  LiveAtlas live(grid, Job());
+  (void)sculptor.apply(ball_stroke(StrokeOp::unite, {28, -20, 9}, 6), Job());
+  live.refresh(sculptor.touched(), Job());
+  expect_same(live, grid, "beyond the tables");
+  // A piece that stands alone disappears again.
+  (void)sculptor.apply(ball_stroke(StrokeOp::subtract, {28, -20, 9}, 12), Job());
+  live.refresh(sculptor.touched(), Job());
+  expect_same(live, grid, "without it");
+}
+
+}  // namespace
+}  // namespace sdfgrid

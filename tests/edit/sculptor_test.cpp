@@ -1,0 +1,298 @@
+// Strokes on grids: what they may change, what they refuse, and that undo brings back every bit.
+#include "sdfgrid/edit/sculptor.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <random>
+
+#include "edit/grids.h"
+#include "sdfgrid/core/error.h"
+#include "sdfgrid/core/parallel.h"
+
+namespace sdfgrid {
+namespace {
+
+using namespace sdfgrid::test;
+constexpr int kExtent = 32;
+
+std::vector<Stroke> random_strokes(int count, unsigned seed, double least_radius = 2) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(-18, 18);
+  std::uniform_real_distribution<double> radius(least_radius, 9);
+  std::vector<Stroke> strokes;
+  for (int i = 0; i < count; ++i) {
+    Stroke s = ball_stroke(i % 2 == 0 ? StrokeOp::unite : StrokeOp::subtract,
+                           {place(random), place(random), place(random)}, radius(random));
+    if (i % 3 == 0) {
+      s.path.push_back({{0.1 * place(random), 0.1 * place(random), 0.1 * place(random)}, 0.6});
+    }
+    strokes.push_back(s);
+  }
+  return strokes;
+}
+
+TEST(Sculptor, UndoAndRedoAreExact) {
+  const Grid grid = ball_grid(15);
+  Sculptor sculptor(grid);
+  std::vector<Content> states = {content_of(grid, kExtent)};
+  for (const Stroke& stroke : random_strokes(8, 1)) {
+    const StrokeReport report = sculptor.apply(stroke, Job());
+    EXPECT_EQ(report.bricks_touched, sculptor.touched().size());
+    states.push_back(content_of(grid, kExtent));
+  }
+  for (int i = 7; i >= 0; --i) {
+    ASSERT_TRUE(sculptor.undo());
+    ASSERT_EQ(content_of(grid, kExtent), states[i]) << i;
+  }
+  EXPECT_FALSE(sculptor.undo());
+  for (int i = 1; i <= 8; ++i) {
+    ASSERT_TRUE(sculptor.redo());
+    ASSERT_EQ(content_of(grid, kExtent), states[i]) << i;
+  }
+  EXPECT_FALSE(sculptor.redo());
+}
+
+class MemoryStore : public UndoStore {
+ public:
+  std::size_t put(std::span<const std::byte> bytes) override {
+    kept_.emplace_back(bytes.begin(), bytes.end());
+    return kept_.size() - 1;
+  }
+  std::vector<std::byte> get(std::size_t name) override { return kept_.at(name); }
+  [[nodiscard]] std::size_t size() const { return kept_.size(); }
+
+ private:
+  std::vector<std::vector<std::byte>> kept_;
+};
+
+TEST(Sculptor, CompressedAndSpilledRecordsUndoExactly) {
+  MemoryStore store;
+  SculptOptions options;
+  options.undo.full_bytes = 300000;
+  options.undo.packed_bytes = 60000;
+  options.undo.store = &store;
+  const Grid grid = ball_grid(15);
+  Sculptor sculptor(grid, options);
+  const Content before = content_of(grid, kExtent);
+  for (const Stroke& stroke : random_strokes(20, 2)) (void)sculptor.apply(stroke, Job());
+  EXPECT_GT(store.size(), 2U);
+  EXPECT_LT(sculptor.history().bytes(), 1000000U);
+  const Content after = content_of(grid, kExtent);
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(sculptor.undo()) << i;
+  EXPECT_EQ(content_of(grid, kExtent), before);
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(sculptor.redo()) << i;
+  EXPECT_EQ(content_of(grid, kExtent), after);
+}
+
+TEST(Sculptor, WithoutAStoreTheOldestAreForgotten) {
+  SculptOptions options;
+  options.undo.full_bytes = 200000;
+  options.undo.packed_bytes = 60000;
+  Sculptor sculptor(ball_grid(15), options);
+  for (const Stroke& stroke : random_strokes(20, 2)) (void)sculptor.apply(stroke, Job());
+  EXPECT_LT(sculptor.history().undoable(), 20U);
+  EXPECT_GT(sculptor.history().undoable(), 2U);
+}
+
+TEST(Sculptor, TheSameBitsAtAnyNumberOfThreads) {
+  Content contents[2];
+  for (const int threads : {1, 4}) {
+    const ThreadLimit limit(threads);
+    const Grid grid = ball_grid(15);
+    Sculptor sculptor(grid);
+    for (const Stroke& stroke : random_strokes(12, 4)) (void)sculptor.apply(stroke, Job());
+    contents[threads == 1 ? 0 : 1] = content_of(grid, kExtent);
+  }
+  EXPECT_EQ(contents[0], contents[1]);
+}
+
+TEST(Sculptor, SameStrokeTwiceChangesNothing) {
+  for (const Stroke& stroke : random_strokes(10, 6, 4)) {
+    const Grid grid = ball_grid(15);
+    Sculptor sculptor(grid);
+    (void)sculptor.apply(stroke, Job());
+    const Content once = content_of(grid, kExtent);
+    (void)sculptor.apply(stroke, Job());
+    // Beside a crease, which the grid rounds off, the brush's own distances may take the place of
+    // ones that were measured to the grid's surface; never a sign.
+    const Content twice = content_of(grid, kExtent);
+    int different = 0;
+    for (auto a = once.begin(), b = twice.begin(); a != once.end(); ++a, ++b) {
+      ASSERT_EQ(a->first < 0, b->first < 0);
+      ASSERT_NEAR(a->first, b->first, 0.1 * 0.3);
+      different += std::abs(a->first - b->first) > 0.1 * 0.05 ? 1 : 0;
+    }
+    EXPECT_LT(different, 0.01 * static_cast<double>(grid.active_voxels()));
+  }
+}
+
+// (A u B) n B = B and (A - B) u (A n B) has A's surface, as far as signs say.
+TEST(Sculptor, Absorption) {
+  for (const Stroke& stroke : random_strokes(10, 7)) {
+    const Grid grid = ball_grid(15);
+    Stroke other = stroke;
+    Sculptor sculptor(grid);
+    other.op = StrokeOp::unite;
+    (void)sculptor.apply(other, Job());
+    other.op = StrokeOp::intersect;
+    (void)sculptor.apply(other, Job());
+    // The brush alone: united with nothing.
+    const Grid alone = ball_grid(15);
+    Sculptor emptied(alone);
+    (void)emptied.apply(ball_stroke(StrokeOp::subtract, {0, 0, 0}, 30), Job());
+    other.op = StrokeOp::unite;
+    (void)emptied.apply(other, Job());
+    const Content got = content_of(grid, kExtent);
+    const Content expected = content_of(alone, kExtent);
+    for (auto a = got.begin(), b = expected.begin(); a != got.end(); ++a, ++b) {
+      if (std::abs(b->first) < 1e-6F) continue;
+      ASSERT_EQ(a->first < 0, b->first < 0);
+    }
+  }
+}
+
+// A brush wholly within the model adds nothing, one wholly outside takes nothing away.
+TEST(Sculptor, StrokesWithoutEffectTouchNothing) {
+  Sculptor sculptor(ball_grid(20));
+  EXPECT_EQ(sculptor.apply(ball_stroke(StrokeOp::unite, {0, 0, 0}, 8), Job()).bricks_touched, 0U);
+  EXPECT_EQ(sculptor.apply(ball_stroke(StrokeOp::subtract, {60, 0, 0}, 20), Job()).bricks_touched,
+            0U);
+}
+
+// Far from the band the inside is a constant that must stay inside when bricks are made there.
+TEST(Sculptor, DeepInteriorIsNeverReadAsOutside) {
+  const Grid grid = ball_grid(40);
+  Sculptor sculptor(grid);
+  const TwoBalls cavity{{0, 0, 0}, {3, -2, 5}, 40, 9};
+  (void)sculptor.apply(ball_stroke(StrokeOp::subtract, cavity.b, cavity.rb), Job());
+  double inner = 0;
+  for (int x = -45; x <= 45; ++x) {
+    for (int y = -45; y <= 45; ++y) {
+      for (int z = -45; z <= 45; ++z) {
+        const glm::dvec3 p(x, y, z);
+        const double truth = glm::clamp(cavity.subtract(p), -3.0, 3.0);
+        const double got = grid.value({x, y, z}) / 0.1;
+        if (std::abs(truth) > 1e-4) {
+          ASSERT_EQ(got < 0, truth < 0) << x << " " << y << " " << z;
+        }
+        inner = std::max(inner, std::abs(got - truth));
+      }
+    }
+  }
+  EXPECT_LT(inner, 1e-4);
+}
+
+TEST(Sculptor, BricksThatBecomeConstantAreDropped) {
+  const Grid grid = ball_grid(12);
+  Sculptor sculptor(grid);
+  (void)sculptor.apply(ball_stroke(StrokeOp::subtract, {0, 0, 0}, 25), Job());
+  EXPECT_EQ(grid.bricks(), 0U);
+  EXPECT_EQ(grid.active_voxels(), 0U);
+  (void)sculptor.apply(ball_stroke(StrokeOp::unite, {2, 3, 4}, 10), Job());
+  EXPECT_GT(grid.bricks(), 8U);
+  sculptor.undo();
+  sculptor.undo();
+  EXPECT_GT(grid.active_voxels(), 1000U);
+}
+
+// To the tolerance of re-distancing: which of two equally near points is taken has no symmetry.
+TEST(Sculptor, MirroredStrokesAreMirrorImages) {
+  const Grid grid = ball_grid(15);
+  Sculptor sculptor(grid);
+  Stroke stroke = ball_stroke(StrokeOp::subtract, {11.31, 6.17, 4.09}, 5.3);
+  stroke.path.push_back({{1.213, 0.107, 0.811}, 0.7});
+  stroke.mirror = {{0, 0.0}, {1, 0.0}};
+  const StrokeReport report = sculptor.apply(stroke, Job());
+  EXPECT_EQ(report.dabs % 4, 0U);
+  for (int x = -20; x <= 20; ++x) {
+    for (int y = -20; y <= 20; ++y) {
+      for (int z = -20; z <= 20; ++z) {
+        ASSERT_NEAR(grid.value({x, y, z}), grid.value({-x, y, z}), 3e-2);
+        ASSERT_NEAR(grid.value({x, y, z}), grid.value({x, -y, z}), 3e-2);
+      }
+    }
+  }
+}
+
+TEST(Sculptor, RefusesWhatMakesNoSense) {
+  Sculptor sculptor(ball_grid(15));
+  const auto refused = [&](const Stroke& stroke, const std::string& why) {
+    try {
+      (void)sculptor.apply(stroke, Job());
+      FAIL() << "not refused: " << why;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::usage);
+      EXPECT_NE(std::string(e.what()).find(why), std::string::npos) << e.what();
+    }
+  };
+  refused(ball_stroke(StrokeOp::unite, {0, 0, 0}, 0), "radius");
+  refused(ball_stroke(StrokeOp::unite, {0, 0, 0}, -3), "radius");
+  refused(ball_stroke(StrokeOp::unite, {NAN, 0, 0}, 3), "finite");
+  refused(ball_stroke(StrokeOp::unite, {0, 0, 0}, 1e6), "bricks");
+  Stroke stroke = ball_stroke(StrokeOp::unite, {0, 0, 0}, 3);
+  stroke.spacing = 0;
+  refused(stroke, "spacing");
+  stroke = ball_stroke(StrokeOp::unite, {0, 0, 0}, 3);
+  stroke.path.clear();
+  refused(stroke, "path");
+  EXPECT_EQ(sculptor.history().undoable(), 0U);
+}
+
+TEST(Sculptor, BrushBelowAVoxelWarnsAndIsStillRight) {
+  const Grid grid = ball_grid(15);
+  Sculptor sculptor(grid);
+  const StrokeReport report =
+      sculptor.apply(ball_stroke(StrokeOp::subtract, {15, 0, 0}, 0.7), Job());
+  ASSERT_EQ(report.warnings.size(), 1U);
+  EXPECT_NE(report.warnings[0].find("below one voxel"), std::string::npos);
+  const TwoBalls balls{{0, 0, 0}, {15, 0, 0}, 15, 0.7};
+  for (int x = 12; x <= 18; ++x) {
+    EXPECT_EQ(grid.value({x, 0, 0}) < 0, balls.subtract({x, 0, 0}) < 0) << x;
+  }
+}
+
+TEST(Sculptor, StrokesBeyondTheRangeAreCutOffAndSaySo) {
+  const Grid grid = ball_grid(15);
+  SculptOptions options;
+  options.range = {{-25, -25, -25}, {25, 25, 25}};
+  Sculptor sculptor(grid, options);
+  Stroke stroke = ball_stroke(StrokeOp::unite, {15, 0, 0}, 6);
+  stroke.path.push_back({{9.0, 0, 0}});
+  const StrokeReport report = sculptor.apply(stroke, Job());
+  ASSERT_EQ(report.warnings.size(), 1U);
+  EXPECT_NE(report.warnings[0].find("range"), std::string::npos);
+  glm::ivec3 lo;
+  glm::ivec3 hi;
+  grid.active_bounds(lo, hi);
+  EXPECT_LE(hi.x, 25);
+  EXPECT_GT(hi.x, 20);
+  // Closed there: positive beyond the cut.
+  EXPECT_GT(grid.value({24, 0, 0}), 0);
+  EXPECT_LT(grid.value({19, 0, 0}), 0);
+  // Wholly outside: nothing happens, and it is said.
+  const StrokeReport outside = sculptor.apply(ball_stroke(StrokeOp::unite, {900, 0, 0}, 5), Job());
+  EXPECT_EQ(outside.bricks_touched, 0U);
+  EXPECT_EQ(outside.warnings.size(), 1U);
+}
+
+TEST(Sculptor, RefusesGridsThatItCannotSculpt) {
+  EXPECT_THROW(Sculptor{Grid()}, Error);
+  EXPECT_THROW(Sculptor{ball_grid(40, 0.1, 30)}, Error);
+}
+
+TEST(Sculptor, ACancelledStrokeLeavesTheGridAsItWas) {
+  const Grid grid = ball_grid(15);
+  Sculptor sculptor(grid);
+  const Content before = content_of(grid, kExtent);
+  const Job job;
+  job.cancel();
+  EXPECT_THROW((void)sculptor.apply(ball_stroke(StrokeOp::unite, {12, 0, 0}, 8), job), Error);
+  EXPECT_EQ(content_of(grid, kExtent), before);
+  EXPECT_EQ(sculptor.history().undoable(), 0U);
+}
+
+}  // namespace
+}  // namespace sdfgrid
