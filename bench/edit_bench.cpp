@@ -153,9 +153,8 @@ void measure_strokes(const Grid& grid, const TriangleSoup& soup, int dim) {
         Stroke stroke = dab(op, {}, 20 * voxel);
         stroke.path = walk(soup, random() % soup.points.size(), 5 * voxel, 60);
         StrokeReport report;
-        const std::size_t before = sculptor.history().bytes();
         apply.push_back(milliseconds([&] { report = sculptor.apply(stroke, Job()); }));
-        const auto bytes = static_cast<double>(sculptor.history().bytes() - before);
+        const auto bytes = static_cast<double>(sculptor.history().bytes());  // of this stroke alone
         memory = std::max(memory, bytes / (static_cast<double>(report.bricks_touched) * 2112));
         refresh.push_back(milliseconds([&] { atlas.refresh(sculptor.touched(), Job()); }));
         undo.push_back(milliseconds([&] { sculptor.undo(); }));
