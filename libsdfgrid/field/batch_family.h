@@ -16,14 +16,17 @@ inline LanePoint load_point(const BatchStep& s, int i) {
   return {load(s.p[0] + i), load(s.p[1] + i), load(s.p[2] + i)};
 }
 
+// Copies, which no store can change: what they hold is loaded and spread over the lanes once.
 template <class Op>
-void apply(const BatchStep& s) {
+void apply(const BatchStep& step) {
+  const BatchStep s = step;
+  const float offset[3] = {s.offset[0], s.offset[1], s.offset[2]};
   Op op;
   __builtin_memcpy(&op, s.constants, sizeof op);
   for (int i = 0; i < s.n; i += kLanes) {
     const LanePoint p = load_point(s, i);
     if constexpr (ops::Leaf<Op>) {
-      store(s.out + i, ops::leaf_value(op, minus(p, s.offset), {s.data, s.count}).v);
+      store(s.out + i, ops::leaf_value(op, minus(p, offset), {s.data, s.count}).v);
     } else if constexpr (ops::Combination<Op>) {
       store(s.out + i, op.combine(Lanes(load(s.a + i)), Lanes(load(s.b + i)), p).v);
     } else if constexpr (ops::Range<Op>) {
@@ -38,7 +41,8 @@ void apply(const BatchStep& s) {
 }
 
 template <class Op>
-void leave(const BatchStep& s) {
+void leave(const BatchStep& step) {
+  const BatchStep s = step;
   Op op;
   __builtin_memcpy(&op, s.constants, sizeof op);
   for (int i = 0; i < s.n; i += kLanes) {

@@ -40,7 +40,20 @@ inline Lanes min(Lanes a, Lanes b) { return min(a.v, b.v); }
 inline Lanes max(Lanes a, Lanes b) { return max(a.v, b.v); }
 inline Lanes abs(Lanes a) { return abs(a.v); }
 inline Lanes square(Lanes a) { return a.v * a.v; }
+// Of what is below 0 by rounding, 0.
+#if defined(__AVX512F__)
+// Most ops wait for their square roots, and the machine's own takes four times as long as an estimate
+// of 14 bits and one step of Newton's method on the exact remainder, which is within 0.6 units in the
+// last place.
+inline Lanes sqrt(Lanes a) {
+  const __mmask16 positive = _mm512_cmp_ps_mask((__m512)a.v, _mm512_setzero_ps(), _CMP_GT_OQ);
+  const F16 r = (F16)_mm512_maskz_rsqrt14_ps(positive, (__m512)a.v);
+  const F16 s = a.v * r;
+  return fma(fma(-s, s, a.v), 0.5F * r, s);
+}
+#else
 inline Lanes sqrt(Lanes a) { return sqrt(max(a.v, splat(0.0F))); }
+#endif
 inline Lanes floor(Lanes a) { return floor(a.v); }
 inline Lanes sign(Lanes a) { return select(a.v < 0.0F, splat(-1.0F), splat(1.0F)); }
 
