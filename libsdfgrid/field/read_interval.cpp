@@ -81,6 +81,9 @@ class Pruning {
   explicit Pruning(const Program& program) : program_(program) {}
 
   std::vector<Instruction> over(const Box& box) {
+    code_.reserve(program_.code.size());
+    values_.reserve(program_.values);
+    points_.reserve(program_.points + 1);
     points_.push_back(intervals(box));
     for (const Instruction& at : program_.code) step(at);
     return std::move(code_);
