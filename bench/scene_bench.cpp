@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <ctime>
+#include <numeric>
 #include <random>
 #include <vector>
 
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/field/field.h"
 #include "sdfgrid/grid/convert_field.h"
+#include "sdfgrid/trace/field_trace.h"
 
 using namespace sdfgrid;
 
@@ -76,6 +79,31 @@ double evaluate_all(const Field& field, const Lattice& lattice, std::size_t& vox
   return sum;
 }
 
+// Primary rays with the parts of tracing switched on one after the other.
+void trace(const Field& field, int repetitions) {
+  const Camera camera = frame(field.bounds(), 512, 512);
+  const char* const names[] = {"plain sphere tracing", "relaxed", "pruned", "relaxed and pruned"};
+  const FieldTraceOptions options[] = {
+      {false, false, false}, {true, false, false}, {false, false, true}, {true, false, true}};
+  for (int k = 0; k < 4; ++k) {
+    const FieldTracer tracer(field, field.bounds(), options[k]);
+    std::vector<double> seconds;
+    double steps = 0;
+    std::size_t hits = 0;
+    for (int i = 0; i < repetitions; ++i) {
+      const double start = cpu_seconds();
+      const HitBuffer made = tracer.trace_primary(camera, Job());
+      seconds.push_back(cpu_seconds() - start);
+      steps = std::accumulate(made.steps.begin(), made.steps.end(), 0.0);
+      hits = static_cast<std::size_t>(std::count_if(made.depth.begin(), made.depth.end(),
+                                                    [](float d) { return std::isfinite(d); }));
+    }
+    const auto rays = static_cast<double>(camera.width) * camera.height;
+    fmt::print("{:>20}: {:6.2f} evaluations a ray, {:.3f} s, {:.2f} Mrays/s, {} hits\n", names[k],
+               steps / rays, median(seconds), 1e-6 * rays / median(seconds), hits);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -106,5 +134,6 @@ int main(int argc, char** argv) {
       median(sparse), median(all) / median(sparse), made.evaluated,
       100.0 * static_cast<double>(made.evaluated) / static_cast<double>(voxels), made.regions,
       made.grid.active_voxels(), made.grid.bricks());
+  trace(field, repetitions);
   return 0;
 }

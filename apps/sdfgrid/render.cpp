@@ -1,22 +1,27 @@
-// sdfgrid render: a grid or a mesh to a picture.
+// sdfgrid render: a grid, a mesh, a volume or a scene to a picture.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <memory>
 #include <numeric>
 #include <optional>
 
 #include "command.h"
 #include "inputs.h"
 #include "options.h"
+#include "scenes.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/grid/atlas.h"
 #include "sdfgrid/grid/convert.h"
+#include "sdfgrid/grid/convert_field.h"
 #include "sdfgrid/grid/grid.h"
 #include "sdfgrid/image/image.h"
 #include "sdfgrid/trace/camera.h"
 #include "sdfgrid/trace/curvature.h"
+#include "sdfgrid/trace/field_seen.h"
+#include "sdfgrid/trace/field_trace.h"
 #include "sdfgrid/trace/shade.h"
 #include "sdfgrid/trace/trace.h"
 
@@ -32,6 +37,9 @@ struct Options {
   std::optional<glm::dvec3> eye;
   std::optional<glm::dvec3> target;
   View view;
+  bool up_given = false;
+  bool fov_given = false;
+  double time = 0;
   std::vector<std::string> aovs;
   Look look;
   SurfaceOptions surface;
@@ -76,7 +84,10 @@ void add_camera(CLI::App& app, Options& options) {
   vector("--target", options.target, "what it looks at; the content's middle if not given");
   app.add_option_function<std::string>(
          "--up",
-         [&options](const std::string& text) { options.view.up = parse_direction("--up", text); },
+         [&options](const std::string& text) {
+           options.view.up = parse_direction("--up", text);
+           options.up_given = true;
+         },
          "direction that is up: x, y, z, -x, -y, -z or three numbers")
       ->type_name("AXIS")
       ->default_str("y");
@@ -89,9 +100,17 @@ void add_camera(CLI::App& app, Options& options) {
       ->check(CLI::Range(-90.0, 90.0) & finite_number())
       ->excludes(eye);
   app.add_option("--fov", options.view.fov, "degrees that the picture's height spans")
+      ->each([&options](const std::string&) { options.fov_given = true; })
       ->capture_default_str()
       ->check(CLI::Range(0.01, 179.0) & finite_number());
 }
+
+// What is shown: a grid; of a scene the field itself, its grid tells where light gets to.
+struct Content {
+  Atlas atlas;
+  std::unique_ptr<FieldTracer> scene;
+  std::vector<Material> materials;  // of the scene
+};
 
 // Rays hit where the sign changes, which unsigned distances never do.
 Grid read_signed_grid(const std::string& path) {
@@ -115,6 +134,43 @@ Grid load(const Options& options, Context& context) {
   Conversion conversion = convert_mesh(surface.soup, convert, context.job());
   for (const std::string& warning : conversion.warnings) context.warn(warning);
   return conversion.grid;
+}
+
+// A scene without end is shown within a box around what the camera looks at.
+Field with_end(const Field& field, const Options& options) {
+  const Box box = field.bounds();
+  bool ends = true;
+  for (int a = 0; a < 3; ++a) ends = ends && std::isfinite(box.lo[a]) && std::isfinite(box.hi[a]);
+  if (ends) return field;
+  const glm::dvec3 target = options.target.value_or(glm::dvec3(0));
+  const double size = options.eye ? 4 * glm::distance(*options.eye, target) : 10;
+  const Field room = make_field("translate", {{"by", {target.x, target.y, target.z}}},
+                                {make_field("box", {{"size", {size, size, size}}})});
+  return make_field("intersection", {}, {field, room});
+}
+
+// Takes the scene's camera where the command line says nothing, and makes its grid for the light.
+Content load_shown_scene(Options& options, Context& context) {
+  SceneModel model = load_scene(options.input, options.time, context);
+  if (!options.eye) options.eye = model.camera.eye;
+  if (!options.target) options.target = model.camera.target;
+  if (!options.up_given && model.camera.up) options.view.up = *model.camera.up;
+  if (!options.fov_given && model.camera.fov) options.view.fov = *model.camera.fov;
+  const Field field = with_end(model.field, options);
+  FieldConvertOptions convert;
+  const int pixels = std::max(options.width, options.height);
+  convert.dim = options.dim > 0 ? options.dim : std::clamp(pixels / 3, 64, 512);
+  const FieldConversion conversion = convert_field(field, convert, context.job());
+  Content content{make_atlas(conversion.grid, context.job()), nullptr, std::move(model.materials)};
+  const Box box = field.bounds();
+  const glm::dvec3 margin(1e-4 * glm::length(box.size()));
+  content.scene = std::make_unique<FieldTracer>(field, Box{box.lo - margin, box.hi + margin});
+  return content;
+}
+
+Content load_content(Options& options, Context& context) {
+  if (names_scene(options.input)) return load_shown_scene(options, context);
+  return {make_atlas(load(options, context), context.job()), nullptr, {}};
 }
 
 // The surface's points in world units.
@@ -161,9 +217,17 @@ struct Rendering {
   Camera camera;
   HitBuffer hits;
   Picture picture;
+
+  // Where the pixel's ray hits.
+  [[nodiscard]] glm::dvec3 point(std::size_t pixel) const {
+    const auto x = static_cast<double>(pixel % hits.width);
+    const auto y = static_cast<double>(pixel / hits.width);
+    const Ray ray = RayGenerator(camera).ray(x + 0.5, y + 0.5);
+    return ray.origin + double(hits.depth[pixel]) * ray.direction;
+  }
 };
 
-void fill_aov(const std::string& aov, const Atlas& atlas, const Rendering& r, std::size_t pixel,
+void fill_aov(const std::string& aov, const Content& content, const Rendering& r, std::size_t pixel,
               float* out) {
   const bool hit = std::isfinite(r.hits.depth[pixel]);
   if (aov == "depth") {
@@ -173,17 +237,16 @@ void fill_aov(const std::string& aov, const Atlas& atlas, const Rendering& r, st
   } else if (aov == "steps") {
     *out = r.hits.steps[pixel];
   } else if (aov == "id") {
-    *out = hit ? 1.0F : 0.0F;
+    // Surfaces without a material are 1, those with the scene's n-th one (from 0) are 2 + n.
+    const bool scene = hit && content.scene != nullptr;
+    *out = static_cast<float>(scene ? 2 + content.scene->field().tag_at(r.point(pixel)) : int(hit));
   } else if (hit) {
-    const std::size_t x = pixel % r.hits.width;
-    const std::size_t y = pixel / r.hits.width;
-    const Ray ray =
-        RayGenerator(r.camera).ray(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
-    *out = mean_curvature_at(atlas, ray.origin + double(r.hits.depth[pixel]) * ray.direction);
+    *out = mean_curvature_at(content.atlas, r.point(pixel));
   }
 }
 
-Image make_image(const Options& options, const Atlas& atlas, const Rendering& r, const Job& job) {
+Image make_image(const Options& options, const Content& content, const Rendering& r,
+                 const Job& job) {
   Image image{r.hits.width, r.hits.height, {"R", "G", "B"}, {}};
   for (const std::string& aov : options.aovs) {
     for (const std::string& name : channels_of(aov)) image.channels.push_back(name);
@@ -195,7 +258,7 @@ Image make_image(const Options& options, const Atlas& atlas, const Rendering& r,
       float* out = image.pixels.data() + pixel * stride;
       for (int a = 0; a < 3; ++a) *out++ = r.picture.color[pixel][a];
       for (const std::string& aov : options.aovs) {
-        fill_aov(aov, atlas, r, pixel, out);
+        fill_aov(aov, content, r, pixel, out);
         out += channels_of(aov).size();
       }
     }
@@ -228,12 +291,31 @@ void check_aovs(const Options& options) {
                                     "name the output .exr");
 }
 
-Exit run(const Options& options, Context& context) {
+void trace_and_shade(const Options& options, const Content& content,
+                     const Surroundings& surroundings, Stopwatch& watch, const Job& job,
+                     Rendering& r) {
+  const Atlas& atlas = content.atlas;
+  if (content.scene == nullptr) {
+    r.hits = trace_primary(atlas, r.camera, job);
+    watch.lap("trace");
+    r.picture = shade(atlas, surroundings, r.camera, r.hits, options.look, job);
+  } else {
+    r.hits = content.scene->trace_primary(r.camera, job);
+    watch.lap("trace");
+    const double pixel = glm::length(RayGenerator(r.camera).right());
+    const SeenField seen(*content.scene, content.materials, options.look.material, 0.02 * pixel);
+    r.picture = shade(seen, atlas, surroundings, r.camera, r.hits, options.look, job);
+  }
+  watch.lap("shade");
+}
+
+Exit run(Options options, Context& context) {
   check_output(options.output);
   check_aovs(options);
   const Job& job = context.job();
   Stopwatch watch;
-  const Atlas atlas = make_atlas(load(options, context), job);
+  const Content content = load_content(options, context);
+  const Atlas& atlas = content.atlas;
   watch.lap("load");
 
   const Surroundings surroundings = make_surroundings(atlas, job);
@@ -245,11 +327,8 @@ Exit run(const Options& options, Context& context) {
   } else if (distance_at(atlas, r.camera.eye) < 0) {
     context.warn("the camera is inside the object and sees its surface from behind");
   }
-  r.hits = trace_primary(atlas, r.camera, job);
-  watch.lap("trace");
-  r.picture = shade(atlas, surroundings, r.camera, r.hits, options.look, job);
-  watch.lap("shade");
-  write_image(options.output.path, make_image(options, atlas, r, job));
+  trace_and_shade(options, content, surroundings, watch, job, r);
+  write_image(options.output.path, make_image(options, content, r, job));
   watch.lap("write");
   report(options.output.path, r, watch, context);
   if (!surroundings.points.empty() && context.result()["hits"] == 0) {
@@ -264,7 +343,8 @@ Run add_render(CLI::App& app) {
   auto options = std::make_shared<Options>();
   options->view.margin = 0.1;
   options->view.fov = 30;
-  app.add_option("IN", options->input, "grid (.vdb), mesh, or volume to show")->required();
+  app.add_option("IN", options->input, "grid (.vdb), mesh, volume or scene (.yaml, .json) to show")
+      ->required();
   add_output(app, options->output, image_extensions());
   app.add_option_function<std::string>(
          "--size",
@@ -278,6 +358,7 @@ Run add_render(CLI::App& app) {
       ->check(CLI::Range(2, 1 << 20));
   add_camera(app, *options);
   add_surface_options(app, options->surface);
+  add_scene_options(app, options->time);
   app.add_option("--aov", options->aovs, "further channels of an .exr: " + one_of(kAovs))
       ->delimiter(',')
       ->allow_extra_args(false)

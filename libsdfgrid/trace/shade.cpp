@@ -60,22 +60,48 @@ Sample place_in_pixel(std::size_t x, std::size_t y, int i, int n) {
   return {static_cast<double>(x) + (i + 0.5) / n, static_cast<double>(y) + down + 0.5 / n, 0.0F};
 }
 
+// The surface of the atlas, all of one material.
+class SeenAtlas : public Seen {
+ public:
+  SeenAtlas(const Atlas& atlas, const Material& material) : atlas_(atlas), material_(material) {}
+
+  void trace(std::span<const Ray> rays, std::span<float> depth) const override {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const auto hit = trace_ray(atlas_, rays[i]);
+      depth[i] = hit ? static_cast<float>(*hit) : std::numeric_limits<float>::infinity();
+    }
+  }
+  void describe(std::span<const glm::dvec3> points, std::span<glm::vec3> normals,
+                std::span<Material> materials) const override {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      normals[i] = normal_at(atlas_, points[i]);
+      materials[i] = material_;
+    }
+  }
+
+ private:
+  const Atlas& atlas_;
+  const Material& material_;
+};
+
 // Replaces the colours of a row's edge pixels by the mean of n samples.
-void refine_row(const Shader& shader, const Atlas& atlas, const RayGenerator& rays,
+void refine_row(const Shader& shader, const Seen& seen, const RayGenerator& rays,
                 const std::vector<std::uint8_t>& edges, int n, std::size_t y, Picture& picture) {
   const auto width = static_cast<std::size_t>(picture.width);
   std::vector<Sample> samples;
+  std::vector<Ray> through;
   std::vector<std::size_t> pixels;
   for (std::size_t x = 0; x < width; ++x) {
     if (edges[y * width + x] == 0) continue;
     pixels.push_back(y * width + x);
     for (int i = 0; i < n; ++i) {
-      Sample sample = place_in_pixel(x, y, i, n);
-      const auto hit = trace_ray(atlas, rays.ray(sample.x, sample.y));
-      sample.depth = hit ? static_cast<float>(*hit) : std::numeric_limits<float>::infinity();
-      samples.push_back(sample);
+      samples.push_back(place_in_pixel(x, y, i, n));
+      through.push_back(rays.ray(samples.back().x, samples.back().y));
     }
   }
+  std::vector<float> depth(samples.size());
+  seen.trace(through, depth);
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i].depth = depth[i];
   std::vector<glm::vec3> colors(samples.size());
   shader(samples, colors, {});
   for (std::size_t p = 0; p < pixels.size(); ++p) {
@@ -103,8 +129,13 @@ Surroundings make_surroundings(const Atlas& atlas, const Job& job) {
 
 Picture shade(const Atlas& atlas, const Surroundings& surroundings, const Camera& camera,
               const HitBuffer& hits, const Look& look, const Job& job) {
+  return shade(SeenAtlas(atlas, look.material), atlas, surroundings, camera, hits, look, job);
+}
+
+Picture shade(const Seen& seen, const Atlas& atlas, const Surroundings& surroundings,
+              const Camera& camera, const HitBuffer& hits, const Look& look, const Job& job) {
   check(camera, hits, look);
-  const Shader shader(atlas, surroundings, camera, look);
+  const Shader shader(seen, atlas, surroundings, camera, look);
   Picture picture{hits.width, hits.height, {}, {}, 0};
   picture.color.resize(hits.size());
   picture.normal.resize(hits.size());
@@ -114,9 +145,8 @@ Picture shade(const Atlas& atlas, const Surroundings& surroundings, const Camera
   const std::vector<std::uint8_t> edges = edge_pixels(hits, picture.normal, camera, job);
   picture.refined = std::accumulate(edges.begin(), edges.end(), std::size_t{0});
   const RayGenerator rays(camera);
-  for_rows(hits.height, "smooth edges", job, [&](std::size_t y) {
-    refine_row(shader, atlas, rays, edges, look.samples, y, picture);
-  });
+  for_rows(hits.height, "smooth edges", job,
+           [&](std::size_t y) { refine_row(shader, seen, rays, edges, look.samples, y, picture); });
   return picture;
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "sdfgrid/core/job.h"
@@ -59,9 +60,28 @@ struct Surroundings {
 };
 [[nodiscard]] Surroundings make_surroundings(const Atlas& atlas, const Job& job);
 
+// What is seen, where that is not the surface of the atlas itself: a field of which the atlas is a
+// coarse copy. Then the atlas tells only where light gets to. Called from many threads.
+class Seen {
+ public:
+  Seen() = default;
+  Seen(const Seen&) = delete;
+  Seen& operator=(const Seen&) = delete;
+  virtual ~Seen() = default;
+  // Distance to the first hit of each ray, +inf if there is none.
+  virtual void trace(std::span<const Ray> rays, std::span<float> depth) const = 0;
+  // Outward unit normals and materials at points of the surface.
+  virtual void describe(std::span<const glm::dvec3> points, std::span<glm::vec3> normals,
+                        std::span<Material> materials) const = 0;
+};
+
 // Shades the hits that trace_primary(atlas, camera) found. The floor lies square to camera.up.
 // Throws Error{usage} if look.samples is not in [1, 256] or the hits are not of the camera's size.
 [[nodiscard]] Picture shade(const Atlas& atlas, const Surroundings& surroundings,
+                            const Camera& camera, const HitBuffer& hits, const Look& look,
+                            const Job& job);
+// The same for the hits of something else.
+[[nodiscard]] Picture shade(const Seen& seen, const Atlas& atlas, const Surroundings& surroundings,
                             const Camera& camera, const HitBuffer& hits, const Look& look,
                             const Job& job);
 

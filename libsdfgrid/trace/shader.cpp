@@ -45,9 +45,9 @@ struct Shader::Points {
   std::vector<float> x, y, z, nx, ny, nz, sun, sky;
 };
 
-Shader::Shader(const Atlas& atlas, const Surroundings& surroundings, const Camera& camera,
-               const Look& look)
-    : atlas_(atlas), camera_(camera), look_(look), rays_(camera) {
+Shader::Shader(const Seen& seen, const Atlas& atlas, const Surroundings& surroundings,
+               const Camera& camera, const Look& look)
+    : seen_(seen), atlas_(atlas), camera_(camera), look_(look), rays_(camera) {
   up_ = glm::normalize(camera.up);
   const glm::dvec3 to_eye = glm::normalize(camera.eye - camera.target);
   right_ = glm::cross(up_, to_eye);
@@ -118,18 +118,15 @@ void Shader::set_up_floor(const std::vector<glm::vec3>& points) {
   floor_radius_ = 0.5 * glm::length(box.size());
 }
 
-Shader::Kind Shader::locate(const Ray& ray, float depth, glm::dvec3& world,
-                            glm::vec3& normal) const {
+Shader::Kind Shader::locate(const Ray& ray, float depth, glm::dvec3& world) const {
   if (std::isfinite(depth)) {
     world = ray.origin + static_cast<double>(depth) * ray.direction;
-    normal = normal_at(atlas_, world);
     return Kind::surface;
   }
   const double sinks = -glm::dot(up_, ray.direction);
   if (!has_floor_ || !(sinks > 1e-3)) return Kind::background;
   const double t = (glm::dot(up_, ray.origin) - floor_height_) / sinks;
   world = ray.origin + t * ray.direction;
-  normal = glm::vec3(up_);
   const bool near = glm::distance(world, floor_center_) < 4 * floor_radius_;
   return near ? Kind::floor : Kind::background;
 }
@@ -145,9 +142,8 @@ glm::vec3 Shader::ambient(const glm::vec3& normal) const {
   return glm::mix(look_.lighting.glow, look_.lighting.sky, upward);
 }
 
-glm::vec3 Shader::surface_color(const glm::vec3& normal, const glm::vec3& to_eye, float sun,
-                                float sky) const {
-  const Material& material = look_.material;
+glm::vec3 Shader::surface_color(const Material& material, const glm::vec3& normal,
+                                const glm::vec3& to_eye, float sun, float sky) const {
   const float facing = std::max(glm::dot(normal, sun_), 0.0F);
   const glm::vec3 direct = sun * look_.lighting.sun;
   const glm::vec3 diffuse = material.diffuse * (facing * direct + sky * ambient(normal));
@@ -167,21 +163,45 @@ glm::vec3 Shader::floor_shadow(const glm::dvec3& world, float sun, float sky) co
   return glm::mix(left, glm::vec3(1.0F), fade);
 }
 
+// Normals where there is something, materials where that is a surface.
+void Shader::describe(std::span<const Kind> kinds, std::span<const glm::dvec3> worlds,
+                      std::span<glm::vec3> normals, std::span<Material> materials) const {
+  std::vector<std::size_t> hit;
+  std::vector<glm::dvec3> points;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    normals[i] = kinds[i] == Kind::floor ? glm::vec3(up_) : glm::vec3(0.0F);
+    if (kinds[i] != Kind::surface) continue;
+    hit.push_back(i);
+    points.push_back(worlds[i]);
+  }
+  std::vector<glm::vec3> n(hit.size());
+  std::vector<Material> m(hit.size());
+  seen_.describe(points, n, m);
+  for (std::size_t k = 0; k < hit.size(); ++k) {
+    normals[hit[k]] = n[k];
+    materials[hit[k]] = m[k];
+  }
+}
+
 void Shader::operator()(std::span<const Sample> samples, std::span<glm::vec3> colors,
                         std::span<glm::vec3> normals) const {
   std::vector<Kind> kinds(samples.size());
   std::vector<glm::dvec3> worlds(samples.size());
   std::vector<glm::vec3> directions(samples.size());
+  std::vector<glm::vec3> at(samples.size());  // normals
+  std::vector<Material> materials(samples.size());
   Points points(samples.size());
   const glm::dvec3 base(atlas_.lo * Atlas::kBrick);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Ray ray = rays_.ray(samples[i].x, samples[i].y);
-    glm::vec3 normal(0.0F);
-    kinds[i] = locate(ray, samples[i].depth, worlds[i], normal);
+    kinds[i] = locate(ray, samples[i].depth, worlds[i]);
     directions[i] = glm::vec3(ray.direction);
-    if (!normals.empty()) normals[i] = kinds[i] == Kind::surface ? normal : glm::vec3(0.0F);
+  }
+  describe(kinds, worlds, at, materials);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!normals.empty()) normals[i] = kinds[i] == Kind::surface ? at[i] : glm::vec3(0.0F);
     if (kinds[i] == Kind::background) continue;
-    points.add(i, glm::vec3(atlas_.lattice.to_index(worlds[i]) - base), normal);
+    points.add(i, glm::vec3(atlas_.lattice.to_index(worlds[i]) - base), at[i]);
   }
   points.light(scene_);
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -191,8 +211,7 @@ void Shader::operator()(std::span<const Sample> samples, std::span<glm::vec3> co
     if (kinds[i] == Kind::floor) {
       colors[i] *= floor_shadow(worlds[i], points.sun[p], points.sky[p]);
     } else {
-      const glm::vec3 normal(points.nx[p], points.ny[p], points.nz[p]);
-      colors[i] = surface_color(normal, -directions[i], points.sun[p], points.sky[p]);
+      colors[i] = surface_color(materials[i], at[i], -directions[i], points.sun[p], points.sky[p]);
     }
   }
 }

@@ -18,8 +18,8 @@ struct Sample {
 
 class Shader {
  public:
-  Shader(const Atlas& atlas, const Surroundings& surroundings, const Camera& camera,
-         const Look& look);
+  Shader(const Seen& seen, const Atlas& atlas, const Surroundings& surroundings,
+         const Camera& camera, const Look& look);
 
   // Colours and, unless `normals` is empty, normals of the samples. Safe to call from many threads.
   void operator()(std::span<const Sample> samples, std::span<glm::vec3> colors,
@@ -32,13 +32,16 @@ class Shader {
   void set_up_light();
   void set_up_cones();
   void set_up_floor(const std::vector<glm::vec3>& points);
-  Kind locate(const Ray& ray, float depth, glm::dvec3& world, glm::vec3& normal) const;
+  Kind locate(const Ray& ray, float depth, glm::dvec3& world) const;
+  void describe(std::span<const Kind> kinds, std::span<const glm::dvec3> worlds,
+                std::span<glm::vec3> normals, std::span<Material> materials) const;
   [[nodiscard]] glm::vec3 background(double y) const;
   [[nodiscard]] glm::vec3 ambient(const glm::vec3& normal) const;
-  [[nodiscard]] glm::vec3 surface_color(const glm::vec3& normal, const glm::vec3& to_eye, float sun,
-                                        float sky) const;
+  [[nodiscard]] glm::vec3 surface_color(const Material& material, const glm::vec3& normal,
+                                        const glm::vec3& to_eye, float sun, float sky) const;
   [[nodiscard]] glm::vec3 floor_shadow(const glm::dvec3& world, float sun, float sky) const;
 
+  const Seen& seen_;
   const Atlas& atlas_;
   const Camera& camera_;
   const Look& look_;

@@ -1,6 +1,7 @@
 # Scene files: read, refused, saved, made into fields.
 sdfgrid_test(scene_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/scene_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/convert_field_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/field_trace_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/refused_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/../app/process.cpp)
 target_compile_definitions(scene_test PRIVATE SDFGRID_BINARY="")

@@ -1,0 +1,69 @@
+// trace/field_trace.h: where rays meet the surface of an analytic field, by sphere tracing that
+// needs no tuning. Lengths are in world units.
+//
+// Rays go in bundles that run close to each other. The stretch of space that a bundle runs through
+// is divided along the rays: where the field's interval shows nothing, all of them jump; elsewhere
+// they are traced with what pruning leaves of the program, a batch of them at a time. Steps are as
+// long as the local bound on the gradient allows (field/local_bounds.h), and longer where the field
+// lets them: relaxed as by R. Ban and G. Valasek, "Automatic Step Size Relaxation in Sphere
+// Tracing" (2023), taken back where two steps do not prove the way between them free.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sdfgrid/core/job.h"
+#include "sdfgrid/field/field.h"
+#include "sdfgrid/field/local_bounds.h"
+#include "sdfgrid/trace/camera.h"
+#include "sdfgrid/trace/trace.h"
+
+namespace sdfgrid {
+
+// All on: each alone changes the work, never what is hit.
+struct FieldTraceOptions {
+  bool relax = true;
+  bool local_bounds = true;
+  bool prune = true;
+};
+
+// Pixels that lie in the picture.
+struct PixelSquare {
+  int x, y, width, height;
+};
+
+class FieldTracer {
+ public:
+  // `region` must be finite: what lies beyond is not seen.
+  FieldTracer(const Field& field, const Box& region, FieldTraceOptions options = {});
+
+  // Of each ray the distance to its first hit, +inf if there is none, and how often the field was
+  // evaluated for it. A hit is where less than `tolerance` times the distance (and what single
+  // precision can tell) is known to be free; rays that start inside hit where they leave.
+  // Directions have unit length; all rays begin on the same side of the surface, and those beside
+  // each other in the list should run beside each other.
+  // Safe to call from many threads.
+  void trace(std::span<const Ray> rays, double tolerance, std::span<float> depth,
+             std::span<std::uint16_t> steps) const;
+
+  // First hits of the rays through the pixel centres, each within a fiftieth of a pixel's width.
+  [[nodiscard]] HitBuffer trace_primary(const Camera& camera, const Job& job) const;
+
+  [[nodiscard]] const Field& field() const { return field_; }
+  [[nodiscard]] const Box& region() const { return region_; }
+
+ private:
+  class Bundle;
+
+  [[nodiscard]] Box seen_through(const RayGenerator& generator, const glm::dvec3& eye,
+                                 const PixelSquare& square) const;
+
+  Field field_;
+  Box region_;
+  FieldTraceOptions options_;
+  std::unique_ptr<const LocalBounds> bounds_;  // none where they would not help
+};
+
+}  // namespace sdfgrid
