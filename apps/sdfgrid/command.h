@@ -115,7 +115,9 @@ Run add_compare(CLI::App& app);
 Run add_convert(CLI::App& app);
 Run add_info(CLI::App& app);
 Run add_render(CLI::App& app);
+Run add_sample(CLI::App& app);
 Run add_sculpt(CLI::App& app);
+Run add_shapes(CLI::App& app);
 Run add_transform(CLI::App& app);
 
 }  // namespace sdfgrid::cli

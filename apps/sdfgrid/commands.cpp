@@ -5,13 +5,17 @@ namespace sdfgrid::cli {
 namespace {
 
 constexpr Command kCommands[] = {
-    {"convert", "IN -o OUT.vdb", "turn a mesh or a volume into a sparse distance grid",
+    {"convert", "IN -o OUT.vdb", "turn a mesh, a volume or a scene into a sparse distance grid",
      add_convert},
     {"compare", "A B", "measure a grid against a mesh, or two of either", add_compare},
-    {"info", "FILE", "say what a mesh, a volume or a grid holds", add_info},
+    {"info", "FILE", "say what a mesh, a volume, a grid or a scene holds", add_info},
     {"transform", "VOLUME -o OUT", "make a distance transform of a mask, labels or grey values",
      add_transform},
-    {"render", "IN -o OUT.png|.exr", "show a grid, a mesh or a volume in a picture", add_render},
+    {"render", "IN -o OUT.png|.exr", "show a grid, a mesh, a volume or a scene in a picture",
+     add_render},
+    {"sample", "IN -o OUT.npy", "take distances of a grid, a mesh or a scene at points",
+     add_sample},
+    {"shapes", "[NAME]", "list the shapes and operations of scene files", add_shapes},
     {"chart", "IN -o OUT.svg", "chart speed against accuracy of all methods on your own input",
      add_chart},
     {"sculpt", "GRID --strokes FILE -o OUT.vdb", "carve a grid by strokes, with sessions and undo",

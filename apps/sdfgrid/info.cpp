@@ -1,5 +1,6 @@
 // sdfgrid info: what a file holds.
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <memory>
 #include <string_view>
@@ -8,6 +9,7 @@
 #include "command.h"
 #include "inputs.h"
 #include "options.h"
+#include "scenes.h"
 #include "sdfgrid/grid/grid.h"
 #include "sdfgrid/mesh/diagnose.h"
 #include "sdfgrid/mesh/read.h"
@@ -161,7 +163,27 @@ void report_volume(const VolumeFile& file, Context& context) {
                 volume.axis_aligned() ? "" : ", axes turned or mirrored");
 }
 
+void report_scene(const std::string& path, Context& context) {
+  const SceneModel scene = load_scene(path, 0, context);
+  Json& result = context.result();
+  result["kind"] = "scene";
+  context.print("scene      at time 0");
+  const Box box = scene.field.bounds();
+  bool ends = true;
+  for (int a = 0; a < 3; ++a) ends = ends && std::isfinite(box.size()[a]);
+  if (ends) report_bounds(box, context);
+  if (!ends) result["bounds"] = Json();
+  result["instructions"] = scene.field.size();
+  result["materials"] = scene.materials.size();
+  context.print("program    {} instructions, {} materials{}", scene.field.size(),
+                scene.materials.size(), ends ? "" : "; without end");
+}
+
 Exit run(const Options& options, Context& context) {
+  if (names_scene(options.input)) {
+    report_scene(options.input, context);
+    return Exit::done;
+  }
   if (names_volume(options.input)) {
     report_volume(load_volume(options.input, options.volume, context), context);
     return Exit::done;
@@ -181,7 +203,7 @@ Exit run(const Options& options, Context& context) {
 Run add_info(CLI::App& app) {
   auto options = std::make_shared<Options>();
   app.add_option("FILE", options->input,
-                 "mesh (.obj, .ply, .stl, .off, .om), volume or grid (.vdb)")
+                 "mesh (.obj, .ply, .stl, .off, .om), volume, grid (.vdb) or scene (.yaml, .json)")
       ->required();
   add_volume_options(app, options->volume);
   return [options](Context& context) { return run(*options, context); };

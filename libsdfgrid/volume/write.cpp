@@ -22,12 +22,10 @@ std::size_t sample_bytes(const Volume& volume) {
 }
 
 // numpy.lib.format, version 1: the samples begin at a multiple of 64 bytes.
-std::string npy_header(const Volume& volume) {
-  constexpr std::array<const char*, 10> kCodes = {"|u1", "|i1", "<u2", "<i2", "<u4",
-                                                  "<i4", "<u8", "<i8", "<f4", "<f8"};
-  std::string text =
-      fmt::format("{{'descr': '{}', 'fortran_order': True, 'shape': ({}, {}, {}), }}",
-                  kCodes[volume.samples.index()], volume.dims.x, volume.dims.y, volume.dims.z);
+std::string npy_header(const std::string& code, const char* fortran_order,
+                       const std::string& shape) {
+  std::string text = fmt::format("{{'descr': '{}', 'fortran_order': {}, 'shape': ({}), }}", code,
+                                 fortran_order, shape);
   constexpr std::size_t kStart = 10;
   text.append(63 - (kStart + text.size()) % 64, ' ');
   text += '\n';
@@ -35,6 +33,14 @@ std::string npy_header(const Volume& volume) {
   header += static_cast<char>(text.size() & 0xff);
   header += static_cast<char>(text.size() >> 8);
   return header + text;
+}
+
+std::string npy_header(const Volume& volume) {
+  constexpr std::array<const char*, 10> kCodes = {"|u1", "|i1", "<u2", "<i2", "<u4",
+                                                  "<i4", "<u8", "<i8", "<f4", "<f8"};
+  const glm::ivec3& dims = volume.dims;
+  return npy_header(kCodes[volume.samples.index()], "True",
+                    fmt::format("{}, {}, {}", dims.x, dims.y, dims.z));
 }
 
 std::string nrrd_header(const Volume& volume) {
@@ -96,7 +102,7 @@ struct Format {
 };
 
 constexpr std::array<Format, 3> kFormats = {
-    {{".npy", npy_header, ""},
+    {{".npy", [](const Volume& v) { return npy_header(v); }, ""},
      {".nrrd", nrrd_header, ""},
      {".vti", vti_header, "\n</AppendedData></VTKFile>\n"}}};
 
@@ -149,6 +155,20 @@ void write_volume(const Volume& volume, const std::string& path, const Job& job)
     if (!out) throw Error(ErrorKind::failed, path + ": cannot be written; is the disk full?");
   });
   job.report("write", 1.0);
+}
+
+void write_table(std::span<const float> values, std::size_t columns, const std::string& path) {
+  if (columns == 0 || values.size() % columns != 0) {
+    throw Error(ErrorKind::usage, path + ": the values do not fill the table's rows");
+  }
+  write_atomically(path, [&](const std::string& temporary) {
+    std::ofstream out(temporary, std::ios::binary);
+    out << npy_header("<f4", "False", fmt::format("{}, {}", values.size() / columns, columns));
+    out.write(reinterpret_cast<const char*>(values.data()),
+              static_cast<std::streamsize>(values.size_bytes()));
+    out.close();
+    if (!out) throw Error(ErrorKind::failed, path + ": cannot be written; is the disk full?");
+  });
 }
 
 }  // namespace sdfgrid

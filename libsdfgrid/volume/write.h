@@ -1,6 +1,8 @@
 // volume/write.h: volumes to files, whole or not at all.
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,5 +22,9 @@ namespace sdfgrid {
 // Samples are written in their own type, little endian. Throws Error{usage} for other extensions,
 // Error{failed} where writing fails, Error{cancelled}.
 void write_volume(const Volume& volume, const std::string& path, const Job& job);
+
+// Writes a numpy array of two axes, `values` row by row, as a .npy file. Throws Error{usage} if
+// they are no whole rows, Error{failed} where writing fails.
+void write_table(std::span<const float> values, std::size_t columns, const std::string& path);
 
 }  // namespace sdfgrid
