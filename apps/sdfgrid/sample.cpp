@@ -37,6 +37,7 @@ struct Options {
 struct Sampled {
   std::string kind;
   Box bounds;
+  std::function<double(const glm::dvec3&)> value;
   std::function<ValueGradient(const glm::dvec3&)> at;
 };
 
@@ -44,7 +45,8 @@ Sampled sampled_grid(const std::string& path, const Job& job) {
   const Grid grid = read_grid(path);
   const auto atlas = std::make_shared<const Atlas>(make_atlas(grid, job));
   const double half = 0.5 * grid.lattice().voxel;
-  return {"grid", grid.bounds(), [atlas, half](const glm::dvec3& p) {
+  const auto value = [atlas](const glm::dvec3& p) { return double(distance_at(*atlas, p)); };
+  return {"grid", grid.bounds(), value, [atlas, half](const glm::dvec3& p) {
             ValueGradient r{distance_at(*atlas, p), glm::dvec3(0)};
             for (int a = 0; a < 3; ++a) {
               glm::dvec3 step(0);
@@ -61,7 +63,10 @@ Sampled sampled_mesh(const std::string& path, Context& context) {
   const MeshFile mesh = read_mesh(path, context.job());
   for (const std::string& warning : mesh.warnings) context.warn(warning);
   const auto reference = std::make_shared<const ReferenceDistance>(mesh.soup);
-  return {"mesh", bounds(mesh.soup), [reference](const glm::dvec3& p) {
+  const auto signed_value = [reference](const glm::dvec3& p) {
+    return reference->signed_distance(p);
+  };
+  return {"mesh", bounds(mesh.soup), signed_value, [reference](const glm::dvec3& p) {
             const double value = reference->signed_distance(p);
             const glm::dvec3 away = p - reference->closest(p);
             const bool known = value != 0;  // on the surface itself the direction is not
@@ -73,7 +78,9 @@ Sampled load(const Options& options, Context& context) {
   if (extension_of(options.input) == ".vdb") return sampled_grid(options.input, context.job());
   if (!names_scene(options.input)) return sampled_mesh(options.input, context);
   const Field field = load_scene(options.input, options.time, context).field;
-  return {"scene", field.bounds(), [field](const glm::dvec3& p) { return field.gradient(p); }};
+  const auto value = [field](const glm::dvec3& p) { return double(field(glm::vec3(p))); };
+  return {"scene", field.bounds(), value,
+          [field](const glm::dvec3& p) { return field.gradient(p); }};
 }
 
 // The rows of an n x 3 array.
@@ -119,7 +126,7 @@ class Random {
 // A point of the surface: where a random chord from outside to inside crosses it.
 glm::dvec3 on_surface(const Sampled& sampled, const Box& box, Random& random) {
   constexpr int kTries = 10000;
-  const auto inside = [&](const glm::dvec3& p) { return sampled.at(p).value < 0; };
+  const auto inside = [&](const glm::dvec3& p) { return sampled.value(p) < 0; };
   for (int i = 0; i < kTries; ++i) {
     glm::dvec3 a = random.within(box);
     glm::dvec3 b = random.within(box);
