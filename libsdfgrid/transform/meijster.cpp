@@ -33,7 +33,7 @@ template <class Number>
 class Scratch {
  public:
   explicit Scratch(int rows)
-      : numbers_(3 * kColumnLanes * static_cast<std::size_t>(rows) + 64 / sizeof(Number)),
+      : numbers_((kColumns + 48) * static_cast<std::size_t>(rows) + 64 / sizeof(Number)),
         range_(2 * static_cast<std::size_t>(rows)) {}
 
   ParabolaScratch get() {
@@ -115,7 +115,7 @@ class Meijster {
     const auto& kernel = parabola_kernel<Number>();
     const ParabolaPass<Number> along_z = pass(2, 1);
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(dims_.z));
-    std::vector<Number> row(static_cast<std::size_t>(dims_.z) + kColumnLanes);
+    std::vector<Number> row(static_cast<std::size_t>(dims_.z) + 16);
     for (int j = 0; j < dims_.y; ++j) {
       inside(i, j, bytes.data());
       kernel.row(along_z, bytes.data(), row.data());
@@ -123,8 +123,8 @@ class Meijster {
     }
     Scratch<Number> scratch(dims_.y);
     const ParabolaPass<Number> along_y = pass(1, dims_.z);
-    for (int k = 0; k < dims_.z; k += kColumnLanes) {
-      kernel.columns(along_y, std::min(kColumnLanes, dims_.z - k), at(i, 0, k), scratch.get());
+    for (int k = 0; k < dims_.z; k += kColumns) {
+      kernel.columns(along_y, std::min(kColumns, dims_.z - k), at(i, 0, k), scratch.get());
     }
   }
 
@@ -132,8 +132,8 @@ class Meijster {
     Scratch<Number> scratch(dims_.x);
     ParabolaPass<Number> along_x = pass(0, static_cast<std::ptrdiff_t>(dims_.y) * dims_.z);
     along_x.finish = finish_;
-    for (int k = 0; k < dims_.z; k += kColumnLanes) {
-      parabola_kernel<Number>().columns(along_x, std::min(kColumnLanes, dims_.z - k), at(0, j, k),
+    for (int k = 0; k < dims_.z; k += kColumns) {
+      parabola_kernel<Number>().columns(along_x, std::min(kColumns, dims_.z - k), at(0, j, k),
                                         scratch.get());
     }
   }

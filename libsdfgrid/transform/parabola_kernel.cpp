@@ -155,78 +155,133 @@ class Columns {
 inline F16 as_float(F16 v) { return v; }
 inline F16 as_float(I16 v) { return to_float(v); }
 
-template <class Number>
-struct Block {
-  using V = typename LanesOf<Number>::Type;
-  const ParabolaPass<Number>& pass;
-  int lanes;
-  Number* columns;
+// The lanes of a group that it has, of sixteen.
+template <class V, class Number>
+V load_some(const Number* from, int lanes) {
+  if (lanes >= kLanes) return load(from);
+  V v = splat(Number{0});
+  __builtin_memcpy(&v, from, sizeof(Number) * static_cast<std::size_t>(lanes));
+  return v;
+}
+template <class V>
+void store_some(void* to, int lanes, V v) {
+  if (lanes >= kLanes) {
+    __builtin_memcpy(to, &v, sizeof v);
+  } else {
+    __builtin_memcpy(to, &v, sizeof(std::int32_t) * static_cast<std::size_t>(lanes));
+  }
+}
 
-  // Copies one side's squares into `out`, sixteen a row. False if all are zero.
-  bool gather(bool outside, Number* out) const {
-    const V zero = splat(Number{0});
-    V most = zero;
-    for (int y = 0; y < pass.rows; ++y) {
-      const Number* from = columns + y * pass.stride;
-      V v = zero;
-      if (lanes == kLanes) {
-        v = load(from);
-      } else {
-        __builtin_memcpy(&v, from, sizeof(Number) * static_cast<std::size_t>(lanes));
+// Groups of sixteen columns side by side, copied out of the volume together: its rows may be a
+// power of two apart, so that they push each other out of the cache.
+template <class Number>
+class Block {
+  using V = typename LanesOf<Number>::Type;
+
+ public:
+  Block(const ParabolaPass<Number>& pass, int lanes, const ParabolaScratch& scratch)
+      : pass_(pass),
+        lanes_(lanes),
+        size_(static_cast<std::ptrdiff_t>(kLanes) * pass.rows),
+        copy_(static_cast<Number*>(scratch.numbers)),
+        side_(copy_ + kColumnGroups * size_),
+        range_(scratch.range) {}
+
+  void run(Number* columns) {
+    gather(columns);
+    for (int group = 0; group * kLanes < lanes_; ++group) solve(group);
+    scatter(columns);
+  }
+
+ private:
+  void gather(const Number* columns) {
+    V low[kColumnGroups];
+    V high[kColumnGroups];
+    for (int g = 0; g < kColumnGroups; ++g) low[g] = high[g] = splat(Number{0});
+    for (int y = 0; y < pass_.rows; ++y) {
+      const Number* from = columns + y * pass_.stride;
+      for (int g = 0; g * kLanes < lanes_; ++g) {
+        const V v = load_some<V>(from + kLanes * g, lanes_ - kLanes * g);
+        low[g] = min(low[g], v);
+        high[g] = max(high[g], v);
+        store(copy_ + g * size_ + static_cast<std::ptrdiff_t>(kLanes) * y, v);
       }
-      v = max(outside ? v : -v, zero);
-      most = max(most, v);
-      store(out + kLanes * y, v);
     }
-    return any(most > zero);
+    for (int g = 0; g < kColumnGroups; ++g) {
+      has_inside_[g] = any(low[g] < splat(Number{0}));
+      has_outside_[g] = any(high[g] > splat(Number{0}));
+    }
+  }
+
+  void scatter(Number* columns) const {
+    for (int y = 0; y < pass_.rows; ++y) {
+      Number* to = columns + y * pass_.stride;
+      for (int g = 0; g * kLanes < lanes_; ++g) {
+        const Number* from = copy_ + g * size_ + static_cast<std::ptrdiff_t>(kLanes) * y;
+        store_some(to + kLanes * g, lanes_ - kLanes * g, load(from));
+      }
+    }
+  }
+
+  // From the copy into the copy, side by side.
+  void solve(int group) {
+    Number* copy = copy_ + group * size_;
+    Number* outside = side_ + size_;
+    Number* inside = side_ + 2 * size_;
+    if (has_outside_[group]) {
+      const Number* in = has_inside_[group] ? split(copy, splat(Number{1})) : copy;
+      Columns<Number>(pass_, in, outside, range_).solve();
+    }
+    if (has_inside_[group]) {
+      Columns<Number>(pass_, split(copy, splat(Number{-1})), inside, range_).solve();
+    }
+    merge(has_outside_[group] ? outside : nullptr, has_inside_[group] ? inside : nullptr, copy);
+  }
+
+  // The squares of one side, zero on the other.
+  const Number* split(const Number* copy, V sign) {
+    for (std::ptrdiff_t i = 0; i < size_; i += kLanes) {
+      store(side_ + i, max(load(copy + i) * sign, splat(Number{0})));
+    }
+    return side_;
   }
 
   F16 finished(V square) const {
-    const ParabolaFinish<Number>& finish = pass.finish;
+    const ParabolaFinish<Number>& finish = pass_.finish;
     const F16 distance = sqrt(as_float(square)) * finish.scale - finish.shift;
     const F16 cut = select(square >= splat(finish.limit), splat(finish.cut), distance);
     return select(square > splat(Number{0}), cut, splat(0.0F));
   }
 
-  template <class Result>
-  void put(int y, Result v) const {
-    void* to = columns + y * pass.stride;
-    if (lanes == kLanes) {
-      __builtin_memcpy(to, &v, sizeof v);
-    } else {
-      __builtin_memcpy(to, &v, sizeof(Number) * static_cast<std::size_t>(lanes));
-    }
-  }
-
   // Either side may be null, for all zero.
-  void scatter(const Number* outside, const Number* inside) const {
+  void merge(const Number* outside, const Number* inside, Number* result) const {
     const V zero = splat(Number{0});
-    for (int y = 0; y < pass.rows; ++y) {
-      const V out = outside != nullptr ? load(outside + kLanes * y) : zero;
-      const V in = inside != nullptr ? load(inside + kLanes * y) : zero;
-      if (pass.finish.wanted) {
-        put(y, finished(out) + finished(in) * pass.finish.inside_sign);
+    for (std::ptrdiff_t i = 0; i < size_; i += kLanes) {
+      const V out = outside != nullptr ? load(outside + i) : zero;
+      const V in = inside != nullptr ? load(inside + i) : zero;
+      if (pass_.finish.wanted) {
+        const F16 v = finished(out) + finished(in) * pass_.finish.inside_sign;
+        __builtin_memcpy(result + i, &v, sizeof v);
       } else {
-        put(y, out - in);
+        store(result + i, out - in);
       }
     }
   }
+
+  const ParabolaPass<Number>& pass_;
+  int lanes_;
+  std::ptrdiff_t size_;  // numbers of a group
+  Number* copy_;         // kColumnGroups groups
+  Number* side_;         // one group, and one for the result of each side
+  std::int32_t* range_;
+  bool has_outside_[kColumnGroups];
+  bool has_inside_[kColumnGroups];
 };
 
 template <class Number>
 void columns(const ParabolaPass<Number>& pass, int lanes, void* data,
              const ParabolaScratch& scratch) {
-  const Block<Number> block{pass, lanes, static_cast<Number*>(data)};
-  auto* in = static_cast<Number*>(scratch.numbers);
-  const Number* result[2] = {nullptr, nullptr};
-  for (int side = 0; side < 2; ++side) {
-    if ((static_cast<int>(pass.sides) >> side & 1) == 0) continue;
-    if (!block.gather(side == 0, in)) continue;
-    Number* out = in + static_cast<std::ptrdiff_t>(1 + side) * kLanes * pass.rows;
-    Columns<Number>(pass, in, out, scratch.range).solve();
-    result[side] = out;
-  }
-  block.scatter(result[0], result[1]);
+  Block<Number>(pass, lanes, scratch).run(static_cast<Number*>(data));
 }
 
 inline I16 squared(I16 v, I16) { return v * v; }

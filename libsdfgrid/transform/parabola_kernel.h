@@ -9,10 +9,13 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "sdfgrid/core/kernel.h"
+
 namespace sdfgrid {
 
-// Columns that are worked on in lockstep.
-inline constexpr int kColumnLanes = 16;
+// Columns of one call: groups of sixteen, which are worked on in lockstep.
+inline constexpr int kColumnGroups = 4;
+inline constexpr int kColumns = 16 * kColumnGroups;
 
 enum class Sides : int { outside = 1, inside = 2, both = 3 };
 
@@ -41,7 +44,7 @@ struct ParabolaPass {
 };
 
 struct ParabolaScratch {
-  void* numbers;        // 48 * rows of them, aligned to 64 bytes
+  void* numbers;        // (kColumns + 48) * rows of them, aligned to 64 bytes
   std::int32_t* range;  // 2 * rows
 };
 
@@ -50,7 +53,7 @@ struct ParabolaKernel {
   // Squares along one row of samples to the nearest sample on the other side. `inside` has `count`
   // bytes, not zero inside; `out` has room for 16 numbers more.
   void (*row)(const ParabolaPass<Number>& pass, const std::uint8_t* inside, Number* out);
-  // Replaces each number v of `lanes` (at most 16) neighbouring columns by the least of
+  // Replaces each number v of `lanes` (at most kColumns) neighbouring columns by the least of
   // v' + square[rows between them] over the column, for each side. `columns` holds Number, and
   // float after a pass with a finish.
   void (*columns)(const ParabolaPass<Number>& pass, int lanes, void* columns,
@@ -61,16 +64,7 @@ struct ParabolaKernel {
 template <class Number>
 const ParabolaKernel<Number>& parabola_kernel();
 
-#define SDFGRID_PARABOLA_KERNELS(isa)                        \
-  namespace isa {                                            \
-  extern const ParabolaKernel<float> kParabolaOfFloats;      \
-  extern const ParabolaKernel<std::int32_t> kParabolaOfInts; \
-  }
-SDFGRID_PARABOLA_KERNELS(baseline)
-#if defined(__x86_64__)
-SDFGRID_PARABOLA_KERNELS(avx2)
-SDFGRID_PARABOLA_KERNELS(avx512)
-#endif
-#undef SDFGRID_PARABOLA_KERNELS
+SDFGRID_DECLARE_ISAS(extern const ParabolaKernel<float> kParabolaOfFloats;
+                     extern const ParabolaKernel<std::int32_t> kParabolaOfInts)
 
 }  // namespace sdfgrid
