@@ -115,11 +115,15 @@ class Meijster {
     const auto& kernel = parabola_kernel<Number>();
     const ParabolaPass<Number> along_z = pass(2, 1);
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(dims_.z));
-    std::vector<Number> row(static_cast<std::size_t>(dims_.z) + 16);
+    // A row is written with up to 15 numbers more: into the next row, but for the last one.
+    std::vector<Number> last(static_cast<std::size_t>(dims_.z) + 16);
     for (int j = 0; j < dims_.y; ++j) {
       inside(i, j, bytes.data());
-      kernel.row(along_z, bytes.data(), row.data());
-      std::memcpy(at(i, j, 0), row.data(), sizeof(Number) * static_cast<std::size_t>(dims_.z));
+      const bool fits = (dims_.y - 1 - j) * static_cast<std::ptrdiff_t>(dims_.z) >= 16;
+      kernel.row(along_z, bytes.data(), fits ? static_cast<Number*>(at(i, j, 0)) : last.data());
+      if (!fits) {
+        std::memcpy(at(i, j, 0), last.data(), sizeof(Number) * static_cast<std::size_t>(dims_.z));
+      }
     }
     Scratch<Number> scratch(dims_.y);
     const ParabolaPass<Number> along_y = pass(1, dims_.z);

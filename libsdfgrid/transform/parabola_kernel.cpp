@@ -133,7 +133,13 @@ class Columns {
   // [begin, end) are far.
   void solve_directly(int begin, int end) {
     const V far = splat(pass_.far);
+    int next = begin;  // the first row at or after y - reach that is not far
     for (int y = 0; y < pass_.rows; ++y) {
+      while (next < end && (next < y - pass_.reach || all(row(next) >= far))) ++next;
+      if (next > y + pass_.reach || next >= end) {
+        put(y, far);
+        continue;
+      }
       V best = min(row(y), far);
       for (int d = 1; d <= pass_.reach; ++d) {
         const V apart = splat(pass_.square[d]);
@@ -188,23 +194,39 @@ class Block {
         range_(scratch.range) {}
 
   void run(Number* columns) {
-    gather(columns);
-    for (int group = 0; group * kLanes < lanes_; ++group) solve(group);
-    scatter(columns);
+    if (lanes_ == kColumns) {
+      gather<kColumnGroups>(columns);
+    } else {
+      gather<0>(columns);
+    }
+    for (int group = 0; group < groups(); ++group) solve(group);
+    if (lanes_ == kColumns) {
+      scatter<kColumnGroups>(columns);
+    } else {
+      scatter<0>(columns);
+    }
   }
 
  private:
+  [[nodiscard]] int groups() const { return (lanes_ + kLanes - 1) / kLanes; }
+
+  // kFull: the number of groups if all have sixteen columns, else 0.
+  template <int kFull>
   void gather(const Number* columns) {
     V low[kColumnGroups];
     V high[kColumnGroups];
     for (int g = 0; g < kColumnGroups; ++g) low[g] = high[g] = splat(Number{0});
+    const int count = kFull > 0 ? kFull : groups();
     for (int y = 0; y < pass_.rows; ++y) {
       const Number* from = columns + y * pass_.stride;
-      for (int g = 0; g * kLanes < lanes_; ++g) {
-        const V v = load_some<V>(from + kLanes * g, lanes_ - kLanes * g);
+      Number* to = copy_ + static_cast<std::ptrdiff_t>(kLanes) * y;
+#pragma GCC unroll 4
+      for (int g = 0; g < count; ++g) {
+        const V v = kFull > 0 ? load(from + kLanes * g)
+                              : load_some<V>(from + kLanes * g, lanes_ - kLanes * g);
         low[g] = min(low[g], v);
         high[g] = max(high[g], v);
-        store(copy_ + g * size_ + static_cast<std::ptrdiff_t>(kLanes) * y, v);
+        store(to + g * size_, v);
       }
     }
     for (int g = 0; g < kColumnGroups; ++g) {
@@ -213,18 +235,27 @@ class Block {
     }
   }
 
+  template <int kFull>
   void scatter(Number* columns) const {
+    const int count = kFull > 0 ? kFull : groups();
     for (int y = 0; y < pass_.rows; ++y) {
       Number* to = columns + y * pass_.stride;
-      for (int g = 0; g * kLanes < lanes_; ++g) {
-        const Number* from = copy_ + g * size_ + static_cast<std::ptrdiff_t>(kLanes) * y;
-        store_some(to + kLanes * g, lanes_ - kLanes * g, load(from));
+      const Number* from = copy_ + static_cast<std::ptrdiff_t>(kLanes) * y;
+#pragma GCC unroll 4
+      for (int g = 0; g < count; ++g) {
+        const V v = load(from + g * size_);
+        if (kFull > 0) {
+          store(to + kLanes * g, v);
+        } else {
+          store_some(to + kLanes * g, lanes_ - kLanes * g, v);
+        }
       }
     }
   }
 
   // From the copy into the copy, side by side.
   void solve(int group) {
+    if (!has_outside_[group] && !has_inside_[group]) return;  // zero stays zero
     Number* copy = copy_ + group * size_;
     Number* outside = side_ + size_;
     Number* inside = side_ + 2 * size_;
