@@ -208,7 +208,10 @@ class Block {
   }
 
  private:
-  [[nodiscard]] int groups() const { return (lanes_ + kLanes - 1) / kLanes; }
+  [[nodiscard]] int groups() const {
+    const int count = (lanes_ + kLanes - 1) / kLanes;
+    return count < kColumnGroups ? count : kColumnGroups;
+  }
 
   // kFull: the number of groups if all have sixteen columns, else 0.
   template <int kFull>

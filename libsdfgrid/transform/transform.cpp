@@ -7,6 +7,7 @@
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/transform/dense_marching.h"
 #include "sdfgrid/transform/meijster.h"
 
 namespace sdfgrid {
@@ -14,6 +15,9 @@ namespace {
 
 constexpr TransformMethodInfo kMethods[] = {
     {TransformMethod::meijster, "meijster", "exact distances between samples"},
+    {TransformMethod::fmm, "fmm", "fast marching, first order"},
+    {TransformMethod::fmm2, "fmm2", "fast marching, second order"},
+    {TransformMethod::closest_point, "cpm", "marching that carries the nearest surface point"},
 };
 
 std::size_t sample_count(const glm::ivec3& dims) {
@@ -38,6 +42,9 @@ void check(const DenseSeeds& seeds, const TransformOptions& options, std::size_t
     throw Error(ErrorKind::usage, "the seeds do not have as many samples as the volume");
   }
   if (!(options.window >= 0)) throw Error(ErrorKind::usage, "a window must not be negative");
+  if (!(options.bucket_width >= 0 && options.bucket_width <= 16)) {
+    throw Error(ErrorKind::usage, "a bucket must be 0 to 16 voxels wide");
+  }
 }
 
 // Throws Error{input} naming the first value that is not finite.
@@ -100,6 +107,10 @@ void distance_transform(const DenseSeeds& seeds, const TransformOptions& options
   switch (options.method) {
     case TransformMethod::meijster:
       return run_meijster(seeds, options, distance, job);
+    case TransformMethod::fmm:
+    case TransformMethod::fmm2:
+    case TransformMethod::closest_point:
+      return march_dense(seeds, options, distance, job);
     default:
       throw Error(ErrorKind::usage, "this method is not built yet");
   }

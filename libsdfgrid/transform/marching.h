@@ -1,0 +1,74 @@
+// transform/marching.h: fast marching (J. Sethian, *A fast marching level set method*, 1996; second
+// order: *Fast marching methods*, SIAM Review 41, 1999) and closest-point marching over bricks
+// (not installed).
+//
+// Lengths are in units of the smallest spacing. Every value carries its side's sign, and stencils
+// take values of one side only, so that none crosses the surface.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "sdfgrid/core/job.h"
+#include "sdfgrid/transform/brick_field.h"
+#include "sdfgrid/transform/front_queue.h"
+
+namespace sdfgrid {
+
+struct MarchOptions {
+  int order = 2;                   // 1 or 2, of the stencils
+  glm::dvec3 spacing{1.0};         // each >= 1
+  double bucket_width = 1.0 / 16;  // 0: a binary heap
+  BucketQueue::Order bucket_order = BucketQueue::Order::first_in_first_out;
+  double out_limit = 1e30;  // nothing further is accepted outside ...
+  double in_limit = 1e30;   // ... and inside
+  bool sources = false;     // closest-point marching: every sample has a source
+  bool grow = false;        // bricks are made where the front leaves them
+};
+
+// The distance from a sample (by index) to source `source`: a point, a triangle.
+using SourceDistance = std::function<float(const glm::ivec3& index, std::uint32_t source)>;
+
+class March {
+ public:
+  explicit March(const MarchOptions& options);
+
+  // The bricks, made by the caller; reserve() then makes room in them for seed() and block().
+  BrickField& field() { return field_; }
+  void reserve();
+  // A signed distance that is known, from `source`.
+  void seed(std::uint32_t sample, float distance, std::uint32_t source = 0);
+  // The front may not enter: beyond the volume's borders.
+  void block(std::uint32_t sample);
+
+  // Solves |grad T| = 1 from all seeds. Throws Error{cancelled}.
+  void run(const Job& job);
+  // Each sample takes the nearest of the sources of its accepted neighbours.
+  void run_sources(const SourceDistance& distance, const Job& job);
+
+  // Signed distance of a sample; not a number where the front did not come.
+  [[nodiscard]] float value(std::uint32_t sample) const { return known_[sample]; }
+  [[nodiscard]] std::uint32_t source(std::uint32_t sample) const { return sources_[sample]; }
+
+ private:
+  template <class Queue, class Candidate>
+  void advance(Queue& queue, std::uint32_t sample, const Candidate& candidate);
+  template <class Queue, class Candidate>
+  void empty(Queue& queue, const Candidate& candidate, const Job& job);
+  template <class Candidate>
+  void run_with(const Candidate& candidate, const Job& job);
+  [[nodiscard]] float solve(std::uint32_t sample, float side) const;
+  void prefetch(std::uint32_t sample) const;
+
+  MarchOptions options_;
+  float weight_[3];  // of a first-order term along each axis
+  BrickField field_;
+  std::vector<float> known_;            // accepted; NaN if not, infinite if blocked
+  std::vector<float> trial_;            // the best so far, signed; infinite at first
+  std::vector<std::uint32_t> sources_;  // as trial_, in closest-point marching
+  std::vector<std::uint32_t> seeds_;
+};
+
+}  // namespace sdfgrid
