@@ -21,6 +21,21 @@ SignedSamples::SignedSamples(const DenseSeeds& seeds) : seeds_(seeds) {
   if (seeds.kind == SeedKind::distance) scale_ = static_cast<float>(1 / unit_);
 }
 
+void SignedSamples::inside_row(std::size_t first, std::uint8_t* inside) const {
+  const auto count = static_cast<std::size_t>(seeds_.dims.z);
+  if (!seeds_.mask.empty()) {
+    const std::uint8_t* mask = seeds_.mask.data() + first;
+    for (std::size_t k = 0; k < count; ++k) inside[k] = mask[k] != 0 ? 1 : 0;
+    return;
+  }
+  const float* v = seeds_.values.data() + first;
+  if (seeds_.kind == SeedKind::coverage) {
+    for (std::size_t k = 0; k < count; ++k) inside[k] = v[k] > 0.5F ? 1 : 0;
+  } else {
+    for (std::size_t k = 0; k < count; ++k) inside[k] = v[k] < 0 ? 1 : 0;
+  }
+}
+
 glm::dvec3 SignedSamples::gradient(const glm::ivec3& at) const {
   glm::dvec3 g(0);
   for (int axis = 0; axis < 3; ++axis) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <glm/vec3.hpp>
 
 #include "sdfgrid/transform/transform.h"
@@ -37,6 +38,8 @@ class SignedSamples {
     return v * scale_;
   }
   [[nodiscard]] bool inside(std::size_t number) const { return value(number) < 0; }
+  // For the row of samples from number `first` on: 1 inside, 0 outside.
+  void inside_row(std::size_t first, std::uint8_t* inside) const;
   [[nodiscard]] bool has(const glm::ivec3& at) const {
     return at.x >= 0 && at.y >= 0 && at.z >= 0 && at.x < seeds_.dims.x && at.y < seeds_.dims.y &&
            at.z < seeds_.dims.z;

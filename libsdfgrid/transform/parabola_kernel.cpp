@@ -224,7 +224,8 @@ class Block {
       const Number* from = columns + y * pass_.stride;
       Number* to = copy_ + static_cast<std::ptrdiff_t>(kLanes) * y;
 #pragma GCC unroll 4
-      for (int g = 0; g < count; ++g) {
+      for (int g = 0; g < kColumnGroups; ++g) {
+        if (g >= count) break;
         const V v = kFull > 0 ? load(from + kLanes * g)
                               : load_some<V>(from + kLanes * g, lanes_ - kLanes * g);
         low[g] = min(low[g], v);

@@ -7,7 +7,9 @@
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/transform/dense_chamfer.h"
 #include "sdfgrid/transform/dense_marching.h"
+#include "sdfgrid/transform/dense_seeds.h"
 #include "sdfgrid/transform/meijster.h"
 
 namespace sdfgrid {
@@ -15,6 +17,10 @@ namespace {
 
 constexpr TransformMethodInfo kMethods[] = {
     {TransformMethod::meijster, "meijster", "exact distances between samples"},
+    {TransformMethod::chamfer345, "chamfer345", "steps of 3, 4 and 5 thirds"},
+    {TransformMethod::chamfer3, "chamfer3", "the best real steps of 3^3"},
+    {TransformMethod::chamfer5, "chamfer5", "the best real steps of 5^3"},
+    {TransformMethod::chamfer_mask, "chamfer", "steps of your own"},
     {TransformMethod::fmm, "fmm", "fast marching, first order"},
     {TransformMethod::fmm2, "fmm2", "fast marching, second order"},
     {TransformMethod::closest_point, "cpm", "marching that carries the nearest surface point"},
@@ -63,25 +69,6 @@ void check_finite(const DenseSeeds& seeds, const Job& job) {
   });
 }
 
-InsideRow inside_row(const DenseSeeds& seeds) {
-  const auto offset = [dims = seeds.dims](int i, int j) {
-    return (static_cast<std::size_t>(i) * static_cast<std::size_t>(dims.y) +
-            static_cast<std::size_t>(j)) *
-           static_cast<std::size_t>(dims.z);
-  };
-  const auto count = static_cast<std::size_t>(seeds.dims.z);
-  if (!seeds.mask.empty()) {
-    return [=, mask = seeds.mask](int i, int j, std::uint8_t* inside) {
-      std::copy_n(mask.data() + offset(i, j), count, inside);
-    };
-  }
-  const bool coverage = seeds.kind == SeedKind::coverage;
-  return [=, values = seeds.values](int i, int j, std::uint8_t* inside) {
-    const float* v = values.data() + offset(i, j);
-    for (std::size_t k = 0; k < count; ++k) inside[k] = coverage ? v[k] > 0.5F : v[k] < 0;
-  };
-}
-
 void run_meijster(const DenseSeeds& seeds, const TransformOptions& options,
                   std::span<float> distance, const Job& job) {
   MeijsterOptions meijster_options;
@@ -93,7 +80,11 @@ void run_meijster(const DenseSeeds& seeds, const TransformOptions& options,
     const glm::dvec3& s = seeds.spacing;
     meijster_options.shift = 0.5 * std::min({s.x, s.y, s.z});
   }
-  meijster(inside_row(seeds), meijster_options, distance, job);
+  const SignedSamples samples(seeds);
+  const auto inside = [&](int i, int j, std::uint8_t* row) {
+    samples.inside_row(samples.number({i, j, 0}), row);
+  };
+  meijster(inside, meijster_options, distance, job);
 }
 
 }  // namespace
@@ -111,6 +102,11 @@ void distance_transform(const DenseSeeds& seeds, const TransformOptions& options
     case TransformMethod::fmm2:
     case TransformMethod::closest_point:
       return march_dense(seeds, options, distance, job);
+    case TransformMethod::chamfer345:
+    case TransformMethod::chamfer3:
+    case TransformMethod::chamfer5:
+    case TransformMethod::chamfer_mask:
+      return chamfer_dense(seeds, options, distance, job);
     default:
       throw Error(ErrorKind::usage, "this method is not built yet");
   }
