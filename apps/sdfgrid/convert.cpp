@@ -1,6 +1,8 @@
 // sdfgrid convert: a mesh, a surface in a volume or a scene to a sparse distance grid.
 #include "sdfgrid/grid/convert.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -18,13 +20,12 @@
 namespace sdfgrid::cli {
 namespace {
 
-enum class Method { exact };
-
 struct Options {
   std::string input;
   Output output;
   ConvertOptions convert;
-  Method method = Method::exact;
+  std::optional<TransformMethod> method;  // nothing: exact
+  double bucket = TransformOptions().bucket_width;
   double width = 3.0;
   double exwidth = 0;  // 0: as --width
   double inwidth = 0;
@@ -34,7 +35,22 @@ struct Options {
   double time = 0;
 };
 
-const std::vector<std::pair<std::string, Method>> kMethods = {{"exact", Method::exact}};
+// The methods that meshes are converted by: exact, and transforms from exact seeds.
+std::vector<std::pair<std::string, std::optional<TransformMethod>>> methods() {
+  std::vector<std::pair<std::string, std::optional<TransformMethod>>> all = {
+      {"exact", std::nullopt}};
+  for (const TransformMethodInfo& info : transform_methods()) {
+    // A mask of one's own has no option here.
+    if (info.meshes && info.method != TransformMethod::chamfer_mask) {
+      all.emplace_back(info.name, info.method);
+    }
+  }
+  return all;
+}
+
+std::string method_name(const Options& options) {
+  return options.method ? std::string(transform_name(*options.method)) : "exact";
+}
 
 const std::vector<std::pair<std::string, SignMethod>> kSigns = {{"auto", SignMethod::automatic},
                                                                 {"normal", SignMethod::normal},
@@ -99,6 +115,9 @@ ConvertOptions convert_options(const Options& options, const Surface& surface) {
   } else if (convert.voxel == 0) {
     convert.voxel = surface.spacing;
   }
+  if (options.method) {
+    convert.transform = TransformOptions{.method = *options.method, .bucket_width = options.bucket};
+  }
   return convert;
 }
 
@@ -145,8 +164,10 @@ Exit run_surface(const Options& options, Context& context) {
   const Conversion conversion = convert_mesh(surface.soup, convert, context.job());
   for (const std::string& warning : conversion.warnings) context.warn(warning);
   watch.lap("convert");
-  Made made{conversion.grid, "exact", std::string(sign_name(conversion.sign)),
-            conversion.sign_reason, kConvertError * conversion.grid.lattice().voxel};
+  Made made{conversion.grid, method_name(options), std::string(sign_name(conversion.sign)),
+            conversion.sign_reason, std::nullopt};
+  // The error of a transform depends on the mesh: docs/methods.md, and `compare`.
+  if (!options.method) made.max_error = kConvertError * conversion.grid.lattice().voxel;
   save(made, options, context);
   watch.lap("write");
   describe(made, options, context);
@@ -232,7 +253,11 @@ Run add_convert(CLI::App& app) {
       ->check(CLI::Range(1, 100000))
       ->excludes(voxel);
   add_tolerance(app, options->tolerance)->excludes(voxel)->excludes("--dim");
-  add_choice(app, "--method", options->method, kMethods, "how distances are made");
+  add_choice(app, "--method", options->method, methods(), "how distances are made");
+  app.add_option("--bucket", options->bucket,
+                 "width of the buckets of the marching methods, voxels; 0: a binary heap")
+      ->check(CLI::Range(0.0, 16.0) & finite_number())
+      ->capture_default_str();
   app.add_option("--width", options->width, "half-width of the band, voxels")
       ->check(CLI::Range(1.0, 1000.0) & finite_number())
       ->capture_default_str();

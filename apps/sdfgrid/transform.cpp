@@ -84,13 +84,6 @@ void write(const Options& options, const Volume& volume, const Job& job) {
   write_grid(to_grid(volume), path);
 }
 
-std::string_view name_of(TransformMethod method) {
-  for (const TransformMethodInfo& info : transform_methods()) {
-    if (info.method == method) return info.name;
-  }
-  return "";
-}
-
 Exit run(const Options& options, Context& context) {
   check_output(options.output);
   Stopwatch watch;
@@ -105,7 +98,7 @@ Exit run(const Options& options, Context& context) {
   watch.lap("write");
 
   const glm::ivec3& dims = file.volume.dims;
-  const std::string method(name_of(options.transform.method));
+  const std::string method(transform_name(options.transform.method));
   Json& result = context.result();
   result["method"] = method;
   result["dims"] = {dims.x, dims.y, dims.z};
@@ -146,7 +139,10 @@ Run add_transform(CLI::App& app) {
   add_output(app, options->output, extensions);
   std::vector<std::pair<std::string, TransformMethod>> methods;
   for (const TransformMethodInfo& info : transform_methods()) {
-    methods.emplace_back(info.name, info.method);
+    // A mask of one's own has no option here.
+    if (info.volumes && info.method != TransformMethod::chamfer_mask) {
+      methods.emplace_back(info.name, info.method);
+    }
   }
   add_choice(app, "--method", options->transform.method, methods, "how distances are made");
   auto* label = app.add_option("--label", options->label,

@@ -17,6 +17,7 @@
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/grid/level_set.h"
 #include "sdfgrid/grid/vdb.h"
+#include "sdfgrid/transform/mesh_transform.h"
 #include "sdfgrid/voxelize/empty_space.h"
 #include "sdfgrid/voxelize/mesh_voxelizer.h"
 
@@ -66,8 +67,8 @@ NodeLeaves run_node(MeshVoxelizer& voxelizer, std::size_t node, const Job& job) 
   return leaves;
 }
 
-MeshLeaves make_leaves(const SignedMesh& mesh, const Lattice& lattice, const Band& band,
-                       const Job& job) {
+MeshLeaves make_exact_leaves(const SignedMesh& mesh, const Lattice& lattice, const Band& band,
+                             const Job& job) {
   MeshVoxelizer voxelizer(mesh, lattice, band, job);
   MeshLeaves leaves;
   leaves.nodes.resize(voxelizer.nodes());
@@ -80,6 +81,18 @@ MeshLeaves make_leaves(const SignedMesh& mesh, const Lattice& lattice, const Ban
     }
   });
   leaves.contradicted = voxelizer.contradicted();
+  return leaves;
+}
+
+MeshLeaves make_leaves(const SignedMesh& mesh, const Lattice& lattice,
+                       const ConvertOptions& options, const Job& job) {
+  if (!options.transform) return make_exact_leaves(mesh, lattice, options.band, job);
+  const auto transform = make_mesh_transform(mesh, lattice, options.band, *options.transform, job);
+  MeshLeaves leaves;
+  NodeLeaves& all = leaves.nodes.emplace_back(transform->bricks());
+  transform->run([&](std::size_t i, const Brick& brick) { all[i] = make_leaf(brick); }, job);
+  std::erase(all, nullptr);
+  leaves.contradicted = transform->contradicted();
   return leaves;
 }
 
@@ -204,13 +217,13 @@ Conversion convert_mesh(const TriangleSoup& soup, const ConvertOptions& options,
   Conversion result;
   SignedMesh mesh = prepare_sign(soup, options.sign, job);
   result.seconds.sign = watch.lap();
-  MeshLeaves leaves = make_leaves(mesh, lattice, options.band, job);
+  MeshLeaves leaves = make_leaves(mesh, lattice, options, job);
   result.seconds.voxelize = watch.lap();
   if (leaves.contradicted && options.sign == SignMethod::automatic) {
     leaves = {};
     sign_by_winding(mesh, "the mesh is closed but crosses itself", job);
     result.seconds.sign += watch.lap();
-    leaves = make_leaves(mesh, lattice, options.band, job);
+    leaves = make_leaves(mesh, lattice, options, job);
     result.seconds.voxelize += watch.lap();
   } else if (leaves.contradicted) {
     mesh.warnings.push_back(

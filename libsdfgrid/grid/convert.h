@@ -1,12 +1,14 @@
 // grid/convert.h: from a mesh to a sparse distance grid, exact to rounding.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sdfgrid/core/job.h"
 #include "sdfgrid/grid/grid.h"
 #include "sdfgrid/mesh/soup.h"
+#include "sdfgrid/transform/transform.h"
 #include "sdfgrid/voxelize/band.h"
 #include "sdfgrid/voxelize/mesh_sign.h"
 
@@ -17,13 +19,16 @@ struct ConvertOptions {
   int dim = 256;     // voxels along the longest side of the mesh's bounds
   Band band;
   SignMethod sign = SignMethod::automatic;
+  // Distances by a transform from exact seeds beside the surface; nothing: exact everywhere. Of its
+  // options method, bucket_width and steps count.
+  std::optional<TransformOptions> transform{};
   // Bytes that the conversion may take; 0 means 80 % of what the machine has free.
   std::size_t max_memory = 0;
 };
 
 struct ConvertSeconds {
   double sign = 0;      // topology, orientation, winding tree
-  double voxelize = 0;  // bricks
+  double voxelize = 0;  // bricks; with a transform the seeds and it
   double assemble = 0;  // the tree and its interior
 };
 
@@ -47,7 +52,8 @@ inline constexpr double kConvertError = 1e-5;
 [[nodiscard]] double estimate_memory(const TriangleSoup& soup, const Lattice& lattice,
                                      const Band& band);
 
-// Exact distances at every lattice point of the band, sign included; beyond the band plus and minus
+// Exact distances (or what the transform makes of exact ones beside the surface) at every lattice
+// point of the band, sign included; beyond the band plus and minus
 // background. Throws Error{usage} for options out of range, Error{input} for an empty mesh,
 // Error{failed} if the estimate exceeds the memory allowed, before any work starts.
 [[nodiscard]] Conversion convert_mesh(const TriangleSoup& soup, const ConvertOptions& options,

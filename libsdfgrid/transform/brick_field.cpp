@@ -46,7 +46,7 @@ std::uint32_t BrickField::make(const glm::ivec3& coordinate) {
 std::uint32_t BrickField::step_making(std::uint32_t sample, int axis, int by) {
   const std::uint32_t there = step(sample, axis, by);
   if (!nowhere(there)) return there;
-  make(coordinates_[sample >> 9] + along(axis, by));
+  make(coordinates_[sample >> 9] + along(axis, by < 0 ? -1 : 1));
   return step(sample, axis, by);
 }
 

@@ -47,7 +47,7 @@ class BrickField {
     return brick << 9 | (sample & 511U & ~(7U << shift)) | (digit & 7U) << shift;
   }
   [[nodiscard]] static bool nowhere(std::uint32_t sample) { return sample < 512; }
-  // The same for one step; a missing brick is made.
+  // The same; a missing brick is made.
   std::uint32_t step_making(std::uint32_t sample, int axis, int by);
 
  private:

@@ -112,68 +112,108 @@ void March::prefetch(std::uint32_t sample) const {
   __builtin_prefetch(&trial_[sample]);
 }
 
+float March::limit(float side) const {
+  return static_cast<float>(side < 0 ? options_.in_limit : options_.out_limit);
+}
+
+template <class Queue>
+void March::offer(Queue& queue, std::uint32_t sample, std::uint32_t from, float side,
+                  float distance) {
+  if (distance >= std::abs(trial_[sample]) || distance > limit(side)) return;
+  trial_[sample] = side * distance;
+  if (options_.sources) sources_[sample] = sources_[from];
+  queue.push(distance, sample);
+}
+
 template <class Queue, class Candidate>
 void March::advance(Queue& queue, std::uint32_t sample, const Candidate& candidate) {
-  const bool inside = std::signbit(known_[sample]);
-  const float side = inside ? -1.0F : 1.0F;
-  const auto limit = static_cast<float>(inside ? options_.in_limit : options_.out_limit);
+  const float side = std::signbit(known_[sample]) ? -1.0F : 1.0F;
+  const bool grow = options_.grow && std::abs(known_[sample]) < limit(side);
   for (int direction = 0; direction < 6; ++direction) {
     const int axis = direction >> 1;
     const int by = (direction & 1) != 0 ? 1 : -1;
     std::uint32_t neighbor = field_.step(sample, axis, by);
     if (BrickField::nowhere(neighbor)) {
-      if (!options_.grow || std::abs(known_[sample]) >= limit) continue;
+      if (!grow) continue;
       neighbor = field_.step_making(sample, axis, by);
       reserve();
     }
     if (!std::isnan(known_[neighbor])) continue;
-    const float t = candidate(neighbor, sample, side);
-    if (t >= std::abs(trial_[neighbor]) || t > limit) continue;
-    trial_[neighbor] = side * t;
-    if (options_.sources) sources_[neighbor] = sources_[sample];
-    queue.push(t, neighbor);
+    offer(queue, neighbor, sample, side, candidate(neighbor, sample, side));
   }
 }
 
-template <class Queue, class Candidate>
-void March::empty(Queue& queue, const Candidate& candidate, const Job& job) {
+template <class Queue, class Advance>
+void March::empty(Queue& queue, const Advance& advance, const Job& job) {
   // Seeds are final; the front starts around them.
-  for (const std::uint32_t seed : seeds_) advance(queue, seed, candidate);
-  std::uint32_t accepted = 0;
+  for (const std::uint32_t seed : seeds_) advance(queue, seed);
+  std::size_t accepted = 0;
   std::uint32_t sample = 0;
   while (queue.pop(sample)) {
     if (const std::uint32_t next = queue.ahead(kAhead); next != 0) prefetch(next);
     if (!std::isnan(known_[sample])) continue;
     known_[sample] = trial_[sample];
-    advance(queue, sample, candidate);
+    advance(queue, sample);
     if (++accepted % kSamplesPerCheckpoint == 0) job.checkpoint();
   }
 }
 
-template <class Candidate>
-void March::run_with(const Candidate& candidate, const Job& job) {
+template <class Advance>
+void March::with_queue(double longest_step, const Advance& advance, const Job& job) {
   reserve();
   if (options_.bucket_width > 0) {
-    // A step along the longest spacing, and what untidiness and second order may add to it.
-    const glm::dvec3& h = options_.spacing;
-    const double span = 2 * std::max({h.x, h.y, h.z}) + 4 * options_.bucket_width;
+    const double span = longest_step + 4 * options_.bucket_width;  // untidiness adds to a step
     BucketQueue queue(options_.bucket_width, span, options_.bucket_order);
-    empty(queue, candidate, job);
+    empty(queue, advance, job);
   } else {
     HeapQueue queue;
-    empty(queue, candidate, job);
+    empty(queue, advance, job);
   }
 }
 
 void March::run(const Job& job) {
-  run_with([this](std::uint32_t sample, std::uint32_t, float side) { return solve(sample, side); },
-           job);
+  const auto candidate = [this](std::uint32_t sample, std::uint32_t, float side) {
+    return solve(sample, side);
+  };
+  const glm::dvec3& h = options_.spacing;
+  // Second order may add to a step.
+  with_queue(
+      2 * std::max({h.x, h.y, h.z}),
+      [&](auto& queue, std::uint32_t sample) { advance(queue, sample, candidate); }, job);
 }
 
 void March::run_sources(const SourceDistance& distance, const Job& job) {
-  run_with([&](std::uint32_t sample, std::uint32_t from,
-               float) { return distance(field_.index(sample), sources_[from]); },
-           job);
+  const auto candidate = [&](std::uint32_t sample, std::uint32_t from, float) {
+    return distance(field_.index(sample), sources_[from]);
+  };
+  const glm::dvec3& h = options_.spacing;
+  with_queue(
+      2 * std::max({h.x, h.y, h.z}),
+      [&](auto& queue, std::uint32_t sample) { advance(queue, sample, candidate); }, job);
+}
+
+void March::run_steps(std::span<const MaskStep> steps, const Job& job) {
+  double longest = 0;
+  for (const MaskStep& step : steps) longest = std::max(longest, step.length);
+  with_queue(
+      longest,
+      [&](auto& queue, std::uint32_t sample) {
+        const float here = known_[sample];
+        const float side = std::signbit(here) ? -1.0F : 1.0F;
+        for (const MaskStep& step : steps) {
+          const float there = side * here + static_cast<float>(step.length);
+          if (there > limit(side)) continue;
+          std::uint32_t to = sample;
+          for (int axis = 0; axis < 3; ++axis) {
+            to = options_.grow ? field_.step_making(to, axis, step.offset[axis])
+                               : field_.step(to, axis, step.offset[axis]);
+          }
+          reserve();
+          if (BrickField::nowhere(to) || !std::isnan(known_[to])) continue;
+          offer(queue, to, sample, side, there);
+        }
+      },
+      job);
 }
 
 }  // namespace sdfgrid

@@ -9,10 +9,12 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "sdfgrid/core/job.h"
 #include "sdfgrid/transform/brick_field.h"
+#include "sdfgrid/transform/chamfer_mask.h"
 #include "sdfgrid/transform/front_queue.h"
 
 namespace sdfgrid {
@@ -37,6 +39,7 @@ class March {
 
   // The bricks, made by the caller; reserve() then makes room in them for seed() and block().
   BrickField& field() { return field_; }
+  [[nodiscard]] const BrickField& field() const { return field_; }
   void reserve();
   // A signed distance that is known, from `source`.
   void seed(std::uint32_t sample, float distance, std::uint32_t source = 0);
@@ -45,6 +48,8 @@ class March {
 
   // Solves |grad T| = 1 from all seeds. Throws Error{cancelled}.
   void run(const Job& job);
+  // Shortest ways in steps of a mask (E. Dijkstra 1959).
+  void run_steps(std::span<const MaskStep> steps, const Job& job);
   // Each sample takes the nearest of the sources of its accepted neighbours.
   void run_sources(const SourceDistance& distance, const Job& job);
 
@@ -53,12 +58,17 @@ class March {
   [[nodiscard]] std::uint32_t source(std::uint32_t sample) const { return sources_[sample]; }
 
  private:
+  // The most a sample inside (or outside) may be away.
+  [[nodiscard]] float limit(float side) const;
+  // Takes a shorter distance of a sample, and puts it on the front.
+  template <class Queue>
+  void offer(Queue& queue, std::uint32_t sample, std::uint32_t from, float side, float distance);
   template <class Queue, class Candidate>
   void advance(Queue& queue, std::uint32_t sample, const Candidate& candidate);
-  template <class Queue, class Candidate>
-  void empty(Queue& queue, const Candidate& candidate, const Job& job);
-  template <class Candidate>
-  void run_with(const Candidate& candidate, const Job& job);
+  template <class Queue, class Advance>
+  void empty(Queue& queue, const Advance& advance, const Job& job);
+  template <class Advance>
+  void with_queue(double longest_step, const Advance& advance, const Job& job);
   [[nodiscard]] float solve(std::uint32_t sample, float side) const;
   void prefetch(std::uint32_t sample) const;
 

@@ -15,15 +15,17 @@
 namespace sdfgrid {
 namespace {
 
+using Method = TransformMethod;
 constexpr TransformMethodInfo kMethods[] = {
-    {TransformMethod::meijster, "meijster", "exact distances between samples"},
-    {TransformMethod::chamfer345, "chamfer345", "steps of 3, 4 and 5 thirds"},
-    {TransformMethod::chamfer3, "chamfer3", "the best real steps of 3^3"},
-    {TransformMethod::chamfer5, "chamfer5", "the best real steps of 5^3"},
-    {TransformMethod::chamfer_mask, "chamfer", "steps of your own"},
-    {TransformMethod::fmm, "fmm", "fast marching, first order"},
-    {TransformMethod::fmm2, "fmm2", "fast marching, second order"},
-    {TransformMethod::closest_point, "cpm", "marching that carries the nearest surface point"},
+    {Method::meijster, "meijster", "exact distances between samples", true, false},
+    {Method::feature, "feature", "the nearest surface point of the nearest seed", false, true},
+    {Method::chamfer345, "chamfer345", "steps of 3, 4 and 5 thirds", true, true},
+    {Method::chamfer3, "chamfer3", "the best real steps of 3^3", true, true},
+    {Method::chamfer5, "chamfer5", "the best real steps of 5^3", true, true},
+    {Method::chamfer_mask, "chamfer", "steps of your own", true, true},
+    {Method::fmm, "fmm", "fast marching, first order", true, true},
+    {Method::fmm2, "fmm2", "fast marching, second order", true, true},
+    {Method::closest_point, "cpm", "marching that carries the nearest surface point", true, true},
 };
 
 std::size_t sample_count(const glm::ivec3& dims) {
@@ -90,6 +92,12 @@ void run_meijster(const DenseSeeds& seeds, const TransformOptions& options,
 }  // namespace
 
 std::span<const TransformMethodInfo> transform_methods() { return kMethods; }
+
+std::string_view transform_name(TransformMethod method) {
+  const auto* found = std::find_if(std::begin(kMethods), std::end(kMethods),
+                                   [&](const auto& info) { return info.method == method; });
+  return found == std::end(kMethods) ? "" : found->name;
+}
 
 void distance_transform(const DenseSeeds& seeds, const TransformOptions& options,
                         std::span<float> distance, const Job& job) {

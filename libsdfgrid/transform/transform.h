@@ -33,10 +33,14 @@ struct TransformMethodInfo {
   TransformMethod method;
   std::string_view name;  // the word of the command line
   std::string_view help;  // half a sentence
+  bool volumes;           // distance_transform() takes it
+  bool meshes;            // so does convert_mesh()
 };
 
 // All methods, in the order in which help lists them.
 [[nodiscard]] std::span<const TransformMethodInfo> transform_methods();
+
+[[nodiscard]] std::string_view transform_name(TransformMethod method);
 
 enum class TransformSide {
   both,     // signed: negative inside

@@ -11,17 +11,11 @@
 #include "sdfgrid/core/job.h"
 #include "sdfgrid/core/lattice.h"
 #include "sdfgrid/voxelize/band.h"
+#include "sdfgrid/voxelize/brick_maker.h"
 #include "sdfgrid/voxelize/mesh_sign.h"
 #include "sdfgrid/voxelize/node_bins.h"
 
 namespace sdfgrid {
-
-// One brick of 8^3 samples with at least one in the band; z fastest.
-struct Brick {
-  glm::ivec3 origin;            // index of its first sample, a multiple of 8
-  const float* values;          // 512; world units, negative inside, the background beyond the band
-  const std::uint64_t* active;  // 8 words: which samples are in the band
-};
 
 class MeshVoxelizer {
  public:

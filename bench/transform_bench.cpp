@@ -1,0 +1,268 @@
+// Dense distance transforms: speed and error in one run, one thread unless said.
+//
+//   transform_bench [--dim=512] [--march-dim=256] [--repetitions=3] [--stability]
+//
+// Speed is samples by the processor's seconds of this process (less sensitive to what else the
+// machine does than the clock), the best of the repetitions. Peers: OpenVDB's fast sweeping here;
+// scipy and scikit-fmm by bench/transform_peers.py, with the same shapes. --stability prints the
+// figures of docs/stability.md instead.
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Dense.h>
+#include <openvdb/tools/FastSweeping.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "sdfgrid/core/isa.h"
+#include "sdfgrid/core/parallel.h"
+#include "sdfgrid/transform/chamfer.h"
+#include "sdfgrid/transform/transform.h"
+
+namespace sdfgrid::bench {
+namespace {
+
+struct Settings {
+  int dim = 512;
+  int march_dim = 256;
+  int repetitions = 3;
+  bool stability = false;
+};
+
+Settings parse(int count, char** words) {
+  Settings settings;
+  for (int i = 1; i < count; ++i) {
+    const std::string word = words[i];
+    const auto value = word.substr(word.find('=') + 1);
+    if (word.starts_with("--dim=")) settings.dim = std::stoi(value);
+    if (word.starts_with("--march-dim=")) settings.march_dim = std::stoi(value);
+    if (word.starts_with("--repetitions=")) settings.repetitions = std::stoi(value);
+    if (word == "--stability") settings.stability = true;
+  }
+  return settings;
+}
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+double best_seconds(int repetitions, const std::function<void()>& work) {
+  double best = 1e300;
+  for (int r = 0; r < repetitions; ++r) {
+    const double start = cpu_seconds();
+    work();
+    best = std::min(best, cpu_seconds() - start);
+  }
+  return best;
+}
+
+// A shape by its (exact) signed distance from the middle of a volume of n^3.
+using Distance = std::function<double(const glm::dvec3&)>;
+
+Distance ball(double radius) {
+  return [radius](const glm::dvec3& p) { return glm::length(p) - radius; };
+}
+
+Distance box(double half) {
+  return [half](const glm::dvec3& p) {
+    const glm::dvec3 q = glm::dvec3(std::abs(p.x), std::abs(p.y), std::abs(p.z)) - half;
+    const glm::dvec3 out(std::max(q.x, 0.0), std::max(q.y, 0.0), std::max(q.z, 0.0));
+    return glm::length(out) + std::min(0.0, std::max({q.x, q.y, q.z}));
+  };
+}
+
+struct Case {
+  glm::ivec3 dims;
+  glm::dvec3 spacing{1.0};
+  std::vector<float> exact{};
+  std::vector<std::uint8_t> mask{};
+
+  [[nodiscard]] DenseSeeds masked() const { return {dims, spacing, mask}; }
+  [[nodiscard]] DenseSeeds valued(SeedKind kind) const { return {dims, spacing, {}, exact, kind}; }
+};
+
+Case make_case(const glm::ivec3& dims, const Distance& distance,
+               const glm::dvec3& spacing = glm::dvec3(1.0)) {
+  Case c{dims, spacing};
+  const glm::dvec3 middle = 0.5 * glm::dvec3(dims - 1) * spacing;
+  const glm::dvec3 off = spacing * glm::dvec3(0.13, 0.29, -0.31);  // nothing is right by symmetry
+  for (int i = 0; i < dims.x; ++i) {
+    for (int j = 0; j < dims.y; ++j) {
+      for (int k = 0; k < dims.z; ++k) {
+        const double d = distance(glm::dvec3(i, j, k) * spacing - middle + off);
+        c.exact.push_back(static_cast<float>(d));
+        c.mask.push_back(d < 0 ? 1 : 0);
+      }
+    }
+  }
+  return c;
+}
+
+struct Errors {
+  double mean = 0;
+  double max = 0;
+};
+
+Errors errors(const std::vector<float>& got, const Case& c) {
+  Errors e;
+  for (std::size_t i = 0; i < got.size(); ++i) {
+    const double d = std::abs(static_cast<double>(got[i]) - static_cast<double>(c.exact[i]));
+    e.mean += d / static_cast<double>(got.size());
+    e.max = std::max(e.max, d);
+  }
+  return e;
+}
+
+void print_speed(const std::string& what, std::size_t samples, double seconds, int threads) {
+  fmt::print("{:<46} {:>2} {:>9.1f} Mvoxel/s\n", what, threads,
+             1e-6 * static_cast<double>(samples) / seconds);
+  std::fflush(stdout);
+}
+
+void run_masks(const Settings& settings) {
+  const int n = settings.dim;
+  Case c = make_case(glm::ivec3(n), ball(0.4 * n));
+  c.exact = {};
+  std::vector<float> distance(c.mask.size());
+  const auto measure = [&](const std::string& what, const TransformOptions& options, int threads) {
+    const ThreadLimit limit(threads);
+    const double seconds = best_seconds(
+        settings.repetitions, [&] { distance_transform(c.masked(), options, distance, Job{}); });
+    print_speed(what, distance.size(), seconds / threads, threads);
+  };
+  const auto outside = TransformSide::outside;
+  for (const int threads : {1, 2}) {
+    measure(fmt::format("meijster {}^3 ball, outside", n), {.side = outside}, threads);
+  }
+  measure(fmt::format("meijster {}^3 ball, signed", n), {}, 1);
+  measure(fmt::format("meijster {}^3 ball, window 8", n), {.side = outside, .window = 8}, 1);
+  for (const auto method : {TransformMethod::chamfer345, TransformMethod::chamfer5}) {
+    measure(fmt::format("{} {}^3 ball, outside", transform_name(method), n),
+            {.method = method, .side = outside}, 1);
+  }
+  std::mt19937 random(1);
+  for (auto& m : c.mask) m = random() % 100 == 0 ? 1 : 0;
+  measure(fmt::format("meijster {}^3, 1 % noise, outside", n), {.side = outside}, 1);
+}
+
+void run_marching(const Settings& settings) {
+  const int n = settings.march_dim;
+  const Case c = make_case(glm::ivec3(n), ball(0.3 * n));
+  std::vector<float> distance(c.mask.size());
+  const ThreadLimit limit(1);
+  for (const auto method :
+       {TransformMethod::fmm, TransformMethod::fmm2, TransformMethod::closest_point}) {
+    for (const double bucket : {1.0 / 16, 0.0}) {
+      const TransformOptions options{.method = method, .bucket_width = bucket};
+      const double seconds = best_seconds(settings.repetitions, [&] {
+        distance_transform(c.valued(SeedKind::distance), options, distance, Job{});
+      });
+      const Errors e = errors(distance, c);
+      print_speed(fmt::format("{} {}^3 ball, {}: L1 {:.4f} max {:.3f}", transform_name(method), n,
+                              bucket > 0 ? "buckets" : "heap", e.mean, e.max),
+                  distance.size(), seconds, 1);
+    }
+  }
+}
+
+// OpenVDB's fast sweeping of the whole volume, from the samples beside the surface.
+void run_fast_sweeping(const Settings& settings) {
+  const int n = settings.march_dim;
+  const Case c = make_case(glm::ivec3(n), ball(0.3 * n));
+  const openvdb::CoordBBox bounds(openvdb::Coord(0), openvdb::Coord(n - 1));
+  openvdb::tools::Dense<float, openvdb::tools::LayoutZYX> dense(bounds, 0.0F);
+  std::copy(c.exact.begin(), c.exact.end(), dense.data());
+  openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(1e6F);
+  openvdb::tools::copyFromDense(dense, *grid, 0.0F, false);
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  const ThreadLimit limit(1);
+  openvdb::FloatGrid::Ptr swept;
+  const double seconds =
+      best_seconds(settings.repetitions, [&] { swept = openvdb::tools::sdfToSdf(*grid, 0.0F, 1); });
+  openvdb::tools::copyToDense(*swept, dense);
+  const Errors e = errors(std::vector<float>(dense.data(), dense.data() + c.exact.size()), c);
+  print_speed(fmt::format("OpenVDB sdfToSdf {}^3 ball: L1 {:.4f} max {:.3f}", n, e.mean, e.max),
+              c.exact.size(), seconds, 1);
+}
+
+void print_errors(const std::string& what, const TransformOptions& options, const DenseSeeds& seeds,
+                  const Case& c) {
+  std::vector<float> distance(c.mask.size());
+  distance_transform(seeds, options, distance, Job{});
+  const Errors e = errors(distance, c);
+  fmt::print("{:<58} {:<10} L1 {:.4f} max {:.4f}\n", what, transform_name(options.method), e.mean,
+             e.max);
+  std::fflush(stdout);
+}
+
+void run_stability() {
+  using Method = TransformMethod;
+  const auto methods = {Method::meijster,     Method::chamfer345, Method::chamfer3,
+                        Method::chamfer5,     Method::fmm,        Method::fmm2,
+                        Method::closest_point};
+  const auto marching = {Method::fmm, Method::fmm2, Method::closest_point};
+  const Case sphere = make_case(glm::ivec3(128), ball(38.4));
+  for (const auto method : methods) {
+    print_errors("binary seeds, ball 128^3", {.method = method}, sphere.masked(), sphere);
+  }
+  for (const int n : {32, 64, 128}) {
+    const Case c = make_case(glm::ivec3(n), ball(0.3 * n));
+    for (const auto method : marching) {
+      print_errors(fmt::format("exact seeds, ball {}^3", n), {.method = method},
+                   c.valued(SeedKind::distance), c);
+      print_errors(fmt::format("linear seeds, ball {}^3", n), {.method = method},
+                   c.valued(SeedKind::level), c);
+    }
+  }
+  const Case cube = make_case(glm::ivec3(128), box(32.2));
+  for (const auto method : marching) {
+    print_errors("exact seeds, box 128^3", {.method = method}, cube.valued(SeedKind::distance),
+                 cube);
+  }
+  for (const double width : {0.0, 1.0 / 64, 1.0 / 16, 0.25, 1.0, 2.0}) {
+    print_errors(fmt::format("buckets of {} voxels, ball 128^3", width),
+                 {.method = Method::fmm2, .bucket_width = width}, sphere.valued(SeedKind::distance),
+                 sphere);
+  }
+  const Case flat = make_case({96, 96, 40}, ball(30), {1, 1, 10});
+  for (const auto method : marching) {
+    print_errors("spacing 1 : 1 : 10, exact seeds, ball", {.method = method},
+                 flat.valued(SeedKind::distance), flat);
+  }
+  const Case gap = make_case(
+      {64, 32, 32}, [](const glm::dvec3& p) { return std::abs(std::abs(p.x) - 2) - 1.25; });
+  for (const auto method : marching) {
+    print_errors("gap of 1.5 voxels, exact seeds", {.method = method},
+                 gap.valued(SeedKind::distance), gap);
+  }
+  for (const auto method : {Method::chamfer345, Method::chamfer3, Method::chamfer5}) {
+    const ChamferRatio ratio = chamfer_ratio(chamfer_steps({.method = method}));
+    fmt::print("{:<58} {:<10} {:+.2f} % to {:+.2f} %\n", "chamfer against Euclid, all directions",
+               transform_name(method), 100 * (ratio.smallest - 1), 100 * (ratio.largest - 1));
+  }
+}
+
+}  // namespace
+}  // namespace sdfgrid::bench
+
+int main(int count, char** words) {
+  using namespace sdfgrid::bench;
+  openvdb::initialize();
+  const Settings settings = parse(count, words);
+  fmt::print("instruction set {}\n", sdfgrid::isa_name(sdfgrid::active_isa()));
+  if (settings.stability) {
+    run_stability();
+    return 0;
+  }
+  run_masks(settings);
+  run_marching(settings);
+  run_fast_sweeping(settings);
+}
