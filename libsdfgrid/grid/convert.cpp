@@ -90,7 +90,11 @@ MeshLeaves make_leaves(const SignedMesh& mesh, const Lattice& lattice,
   const auto transform = make_mesh_transform(mesh, lattice, options.band, *options.transform, job);
   MeshLeaves leaves;
   NodeLeaves& all = leaves.nodes.emplace_back(transform->bricks());
-  transform->run([&](std::size_t i, const Brick& brick) { all[i] = make_leaf(brick); }, job);
+  transform->run(
+      [&](std::size_t i, const Brick& brick) {
+        all[i] = make_leaf(brick.origin, brick.values, brick.active);
+      },
+      job);
   std::erase(all, nullptr);
   leaves.contradicted = transform->contradicted();
   return leaves;

@@ -1,7 +1,7 @@
 #include "sdfgrid/transform/brick_table.h"
 
 #include <algorithm>
-#include <tuple>
+#include <utility>
 
 namespace sdfgrid {
 namespace {
@@ -17,19 +17,36 @@ std::size_t slot(const glm::ivec3& c) {
 
 }  // namespace
 
-BrickTable::BrickTable(std::vector<glm::ivec3> coordinates) : coordinates_(std::move(coordinates)) {
-  const auto before = [](const glm::ivec3& a, const glm::ivec3& b) {
-    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-  };
-  std::sort(coordinates_.begin(), coordinates_.end(), before);
-  coordinates_.erase(std::unique(coordinates_.begin(), coordinates_.end()), coordinates_.end());
-  for (std::size_t i = 0; i < coordinates_.size(); ++i) {
-    std::unique_ptr<Node>& node = nodes_[node_key(coordinates_[i])];
-    if (!node) {
-      node = std::make_unique<Node>();
-      node->fill(kNone);
+// By nodes, and by place within them: sorting all bricks would take longer.
+BrickTable::BrickTable(std::vector<glm::ivec3> coordinates) {
+  constexpr std::int32_t kPresent = 0;
+  std::uint64_t last_key = ~0ULL;
+  Node* last = nullptr;
+  std::vector<std::pair<std::uint64_t, glm::ivec3>> order;
+  for (const glm::ivec3& c : coordinates) {
+    const std::uint64_t key = node_key(c);
+    if (key != last_key) {
+      std::unique_ptr<Node>& node = nodes_[key];
+      if (!node) {
+        node = std::make_unique<Node>();
+        node->fill(kNone);
+        order.emplace_back(key, glm::ivec3(c.x & ~15, c.y & ~15, c.z & ~15));
+      }
+      last_key = key;
+      last = node.get();
     }
-    (*node)[slot(coordinates_[i])] = static_cast<std::int32_t>(i);
+    (*last)[slot(c)] = kPresent;
+  }
+  std::sort(order.begin(), order.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [key, origin] : order) {
+    Node& node = *nodes_[key];
+    for (int s = 0; s < static_cast<int>(node.size()); ++s) {
+      std::int32_t& number = node[static_cast<std::size_t>(s)];
+      if (number == kNone) continue;
+      number = static_cast<std::int32_t>(coordinates_.size());
+      coordinates_.push_back(origin + glm::ivec3(s >> 8, s >> 4 & 15, s & 15));
+    }
   }
 }
 

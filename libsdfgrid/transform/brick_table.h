@@ -11,7 +11,7 @@
 
 namespace sdfgrid {
 
-// Bricks in the order of their coordinates (index / 8): by x, then y, then z.
+// Bricks by their coordinates (index / 8), in an order that depends on nothing but the set of them.
 class BrickTable {
  public:
   static constexpr std::int32_t kNone = -1;

@@ -8,7 +8,6 @@ namespace sdfgrid {
 namespace {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kAhead = 8;  // samples between fetching and using
 constexpr std::uint32_t kSamplesPerCheckpoint = 1U << 16;
 
@@ -61,33 +60,33 @@ March::March(const MarchOptions& options) : options_(options) {
 
 void March::reserve() {
   const std::size_t samples = static_cast<std::size_t>(field_.size()) * 512;
-  if (known_.size() == samples) return;
-  known_.resize(samples, kUnknown);
-  trial_.resize(samples, kInfinite);
+  if (values_.size() == samples) return;
+  constexpr std::uint32_t kQuietNan = 0x7fc00000U;
+  values_.resize(samples, std::bit_cast<float>(kQuietNan | kNotFinal));
   if (options_.sources) sources_.resize(samples);
 }
 
 void March::seed(std::uint32_t sample, float distance, std::uint32_t source) {
-  known_[sample] = trial_[sample] = distance;
+  set(sample, distance, true);
   if (options_.sources) sources_[sample] = source;
   seeds_.push_back(sample);
 }
 
-void March::block(std::uint32_t sample) { known_[sample] = kInfinite; }
+void March::block(std::uint32_t sample) { set(sample, kInfinite, true); }
 
 float March::solve(std::uint32_t sample, float side) const {
   AxisTerm terms[3];
   for (int axis = 0; axis < 3; ++axis) {
     // What is not known and what is on the other side compares false.
-    const float below = known_[field_.step(sample, axis, -1)] * side;
-    const float above = known_[field_.step(sample, axis, 1)] * side;
+    const float below = known(field_.step(sample, axis, -1)) * side;
+    const float above = known(field_.step(sample, axis, 1)) * side;
     const float b = below >= 0 ? below : kInfinite;
     const float a = above >= 0 ? above : kInfinite;
     const float first = std::min(a, b);
     const bool some = first < kInfinite;
     terms[axis] = {some ? first : 0, some ? weight_[axis] : 0, some ? first : -kInfinite};
     if (options_.order == 2) {
-      const float second = known_[field_.step(sample, axis, b <= a ? -2 : 2)] * side;
+      const float second = known(field_.step(sample, axis, b <= a ? -2 : 2)) * side;
       const bool smooth = second >= 0 && second <= first && some;
       terms[axis].value = smooth ? (4 * first - second) * (1.0F / 3) : terms[axis].value;
       terms[axis].weight *= smooth ? 2.25F : 1.0F;
@@ -99,17 +98,12 @@ float March::solve(std::uint32_t sample, float side) const {
 // Fetches what advance() of a sample will read: the front is as large as the surface, and each
 // bucket goes over all of it.
 void March::prefetch(std::uint32_t sample) const {
-  __builtin_prefetch(&known_[sample]);
+  __builtin_prefetch(&values_[sample]);
   for (int axis = 0; axis < 2; ++axis) {
-    for (const int by : {-1, 1}) {
-      const std::uint32_t neighbor = field_.step(sample, axis, by);
-      __builtin_prefetch(&known_[neighbor]);
-      __builtin_prefetch(&trial_[neighbor]);
-      __builtin_prefetch(&known_[field_.step(sample, axis, 2 * by)]);
-      __builtin_prefetch(&known_[field_.step(sample, axis, 3 * by)]);
+    for (const int by : {-3, -2, -1, 1, 2, 3}) {
+      __builtin_prefetch(&values_[field_.step(sample, axis, by)]);
     }
   }
-  __builtin_prefetch(&trial_[sample]);
 }
 
 float March::limit(float side) const {
@@ -119,16 +113,17 @@ float March::limit(float side) const {
 template <class Queue>
 void March::offer(Queue& queue, std::uint32_t sample, std::uint32_t from, float side,
                   float distance) {
-  if (distance >= std::abs(trial_[sample]) || distance > limit(side)) return;
-  trial_[sample] = side * distance;
+  // Not a number is no shorter.
+  if (distance >= std::abs(values_[sample]) || distance > limit(side)) return;
+  set(sample, side * distance, false);
   if (options_.sources) sources_[sample] = sources_[from];
   queue.push(distance, sample);
 }
 
 template <class Queue, class Candidate>
 void March::advance(Queue& queue, std::uint32_t sample, const Candidate& candidate) {
-  const float side = std::signbit(known_[sample]) ? -1.0F : 1.0F;
-  const bool grow = options_.grow && std::abs(known_[sample]) < limit(side);
+  const float side = std::signbit(values_[sample]) ? -1.0F : 1.0F;
+  const bool grow = options_.grow && std::abs(values_[sample]) < limit(side);
   for (int direction = 0; direction < 6; ++direction) {
     const int axis = direction >> 1;
     const int by = (direction & 1) != 0 ? 1 : -1;
@@ -138,7 +133,7 @@ void March::advance(Queue& queue, std::uint32_t sample, const Candidate& candida
       neighbor = field_.step_making(sample, axis, by);
       reserve();
     }
-    if (!std::isnan(known_[neighbor])) continue;
+    if (is_final(neighbor)) continue;
     offer(queue, neighbor, sample, side, candidate(neighbor, sample, side));
   }
 }
@@ -151,8 +146,8 @@ void March::empty(Queue& queue, const Advance& advance, const Job& job) {
   std::uint32_t sample = 0;
   while (queue.pop(sample)) {
     if (const std::uint32_t next = queue.ahead(kAhead); next != 0) prefetch(next);
-    if (!std::isnan(known_[sample])) continue;
-    known_[sample] = trial_[sample];
+    if (is_final(sample)) continue;
+    set(sample, values_[sample], true);
     advance(queue, sample);
     if (++accepted % kSamplesPerCheckpoint == 0) job.checkpoint();
   }
@@ -198,7 +193,7 @@ void March::run_steps(std::span<const MaskStep> steps, const Job& job) {
   with_queue(
       longest,
       [&](auto& queue, std::uint32_t sample) {
-        const float here = known_[sample];
+        const float here = values_[sample];
         const float side = std::signbit(here) ? -1.0F : 1.0F;
         for (const MaskStep& step : steps) {
           const float there = side * here + static_cast<float>(step.length);
@@ -209,7 +204,7 @@ void March::run_steps(std::span<const MaskStep> steps, const Job& job) {
                                : field_.step(to, axis, step.offset[axis]);
           }
           reserve();
-          if (BrickField::nowhere(to) || !std::isnan(known_[to])) continue;
+          if (BrickField::nowhere(to) || is_final(to)) continue;
           offer(queue, to, sample, side, there);
         }
       },

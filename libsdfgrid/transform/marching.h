@@ -6,9 +6,11 @@
 // take values of one side only, so that none crosses the surface.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -54,10 +56,25 @@ class March {
   void run_sources(const SourceDistance& distance, const Job& job);
 
   // Signed distance of a sample; not a number where the front did not come.
-  [[nodiscard]] float value(std::uint32_t sample) const { return known_[sample]; }
+  [[nodiscard]] float value(std::uint32_t sample) const { return known(sample); }
   [[nodiscard]] std::uint32_t source(std::uint32_t sample) const { return sources_[sample]; }
 
  private:
+  static constexpr std::uint32_t kNotFinal = 1;
+  [[nodiscard]] bool is_final(std::uint32_t sample) const {
+    return (std::bit_cast<std::uint32_t>(values_[sample]) & kNotFinal) == 0;
+  }
+  [[nodiscard]] float known(std::uint32_t sample) const {
+    const float v = values_[sample];
+    return (std::bit_cast<std::uint32_t>(v) & kNotFinal) == 0
+               ? v
+               : std::numeric_limits<float>::quiet_NaN();
+  }
+  void set(std::uint32_t sample, float value, bool final) {
+    const auto bits = std::bit_cast<std::uint32_t>(value) & ~kNotFinal;
+    values_[sample] = std::bit_cast<float>(final ? bits : bits | kNotFinal);
+  }
+
   // The most a sample inside (or outside) may be away.
   [[nodiscard]] float limit(float side) const;
   // Takes a shorter distance of a sample, and puts it on the front.
@@ -75,9 +92,10 @@ class March {
   MarchOptions options_;
   float weight_[3];  // of a first-order term along each axis
   BrickField field_;
-  std::vector<float> known_;            // accepted; NaN if not, infinite if blocked
-  std::vector<float> trial_;            // the best so far, signed; infinite at first
-  std::vector<std::uint32_t> sources_;  // as trial_, in closest-point marching
+  // Signed distances, and whether they are final: then the last bit of the number is 0. One array
+  // for both, as the front is larger than the cache. NaN, not final, at first; infinite if blocked.
+  std::vector<float> values_;
+  std::vector<std::uint32_t> sources_;  // as values_, in closest-point marching
   std::vector<std::uint32_t> seeds_;
 };
 

@@ -55,6 +55,47 @@ class TriangleSet {
   std::vector<std::uint32_t> triangles_;
 };
 
+// The seeds around one brick, looked up once.
+class SeedsAround {
+ public:
+  SeedsAround(const MeshSeeds& seeds, const glm::ivec3& coordinate)
+      : seeds_(seeds), coordinate_(coordinate) {
+    bricks_.fill(&unknown_);
+  }
+
+  // Sample `at` counts from the brick's first one. Null where there are no seeds.
+  const SeedBrick* brick_of(const glm::ivec3& at) {
+    const glm::ivec3 b(at.x >> 3, at.y >> 3, at.z >> 3);
+    const SeedBrick*& brick = bricks_[static_cast<std::size_t>(
+        ((b.x + kHalo) * kSide + b.y + kHalo) * kSide + b.z + kHalo)];
+    if (brick == &unknown_) {
+      const std::int32_t i = seeds_.table.find(coordinate_ + b);
+      brick = i == BrickTable::kNone ? nullptr : &seeds_.bricks[static_cast<std::size_t>(i)];
+    }
+    return brick;
+  }
+
+ private:
+  static constexpr int kHalo = (kLargestReach + 1 + 7) / 8;  // bricks; one sample more is asked for
+  static constexpr int kSide = 2 * kHalo + 1;
+  static const SeedBrick unknown_;
+  const MeshSeeds& seeds_;
+  glm::ivec3 coordinate_;
+  std::array<const SeedBrick*, kSide * kSide * kSide> bricks_;
+};
+const SeedBrick SeedsAround::unknown_{};
+
+std::size_t place(const glm::ivec3& at) {
+  return static_cast<std::size_t>((at.x & 7) << 6 | (at.y & 7) << 3 | (at.z & 7));
+}
+
+// Samples of a brick's sides, about every second one.
+bool on_side(const glm::ivec3& at) {
+  const auto picked = [](int c) { return c == 0 || c == 2 || c == 5 || c == 7; };
+  const auto end = [](int c) { return c == 0 || c == 7; };
+  return picked(at.x) && picked(at.y) && picked(at.z) && (end(at.x) || end(at.y) || end(at.z));
+}
+
 class MeshFeature final : public MeshTransform {
  public:
   MeshFeature(const SignedMesh& mesh, const Lattice& lattice, const Band& band, const Job& job)
@@ -106,23 +147,32 @@ class MeshFeature final : public MeshTransform {
     SiteKeys keys;
     if (!sites_.keys(i, keys)) return false;
     set.begin();
-    const glm::ivec3 coordinate = sites_.bricks().coordinates()[i];
-    glm::ivec3 last(1 << 30);
-    const SeedBrick* seeds = nullptr;
+    SeedsAround seeds(seeds_, sites_.bricks().coordinates()[i]);
     for (int s = 0; s < 512; ++s) {
       const std::int32_t key = keys[static_cast<std::size_t>(s)];
       if (key >= kNoSite) continue;
-      const glm::ivec3 at = glm::ivec3(s >> 6, s >> 3 & 7, s & 7) + site_offset(key);
-      const glm::ivec3 brick = coordinate + glm::ivec3(at.x >> 3, at.y >> 3, at.z >> 3);
-      if (brick != last) {
-        seeds = &seeds_.bricks[static_cast<std::size_t>(seeds_.table.find(brick))];
-        last = brick;
-      }
-      set.add(
-          seeds
-              ->triangle[static_cast<std::size_t>((at.x & 7) << 6 | (at.y & 7) << 3 | (at.z & 7))]);
+      const glm::ivec3 sample(s >> 6, s >> 3 & 7, s & 7);
+      const glm::ivec3 site = sample + site_offset(key);
+      set.add(seeds.brick_of(site)->triangle[place(site)]);
+      // A sample's own triangle may be its seed's neighbour's; inside the brick another sample
+      // brings that.
+      if (on_side(sample)) add_around(site, seeds, set);
     }
     return true;
+  }
+
+  static void add_around(const glm::ivec3& site, SeedsAround& seeds, TriangleSet& set) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int by : {-1, 1}) {
+        glm::ivec3 at = site;
+        at[axis] += by;
+        const SeedBrick* brick = seeds.brick_of(at);
+        const std::size_t s = place(at);
+        if (brick != nullptr && (brick->known[s >> 6] >> (s & 63) & 1) != 0) {
+          set.add(brick->triangle[s]);
+        }
+      }
+    }
   }
 
   const SignedMesh& mesh_;

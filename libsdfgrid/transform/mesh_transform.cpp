@@ -22,7 +22,6 @@ std::unique_ptr<MeshTransform> make_mesh_transform(const SignedMesh& mesh, const
     case TransformMethod::chamfer_mask:
       return make_mesh_march(mesh, lattice, band, options, job);
     case TransformMethod::meijster:
-    case TransformMethod::antialiased:
       break;
   }
   throw Error(ErrorKind::usage, "this method is for volumes; meshes have no voxels to start from");

@@ -21,7 +21,7 @@ class MeshTransform {
   // Bricks that may come out.
   [[nodiscard]] virtual std::size_t bricks() const = 0;
   // Calls take(i, brick) for every brick i with a sample in the band, from several threads at once
-  // and in no order; bricks in the order of i are in the order of their origins.
+  // and in no order; which brick is i does not depend on the threads.
   virtual void run(const std::function<void(std::size_t i, const Brick&)>& take,
                    const Job& job) const = 0;
   // Whether normals disagreed beside the surface (as in MeshVoxelizer).

@@ -115,9 +115,10 @@ void distance_transform(const DenseSeeds& seeds, const TransformOptions& options
     case TransformMethod::chamfer5:
     case TransformMethod::chamfer_mask:
       return chamfer_dense(seeds, options, distance, job);
-    default:
-      throw Error(ErrorKind::usage, "this method is not built yet");
+    case TransformMethod::feature:
+      break;
   }
+  throw Error(ErrorKind::usage, "the feature method is for meshes; volumes have cpm");
 }
 
 }  // namespace sdfgrid

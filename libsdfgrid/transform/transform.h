@@ -26,7 +26,6 @@ enum class TransformMethod {
   fmm,           // fast marching, first order
   fmm2,          // fast marching, second order
   closest_point,  // fast marching that carries the nearest point of the surface
-  antialiased,    // grey-level edges: the surface from the coverage of each voxel
 };
 
 struct TransformMethodInfo {

@@ -58,7 +58,9 @@ TEST_P(EveryMethod, KeepsToItsSideAndWindow) {
     ASSERT_GE(outside[i] + inside[i], 0.0F);
     // Beyond the window there is nothing but it.
     const double away = std::abs(static_cast<double>(exact.values[i]));
-    if (away > 7) ASSERT_EQ(is_inside ? inside[i] : outside[i], 4.0F) << i;
+    if (away > 7) {
+      ASSERT_EQ(is_inside ? inside[i] : outside[i], 4.0F) << i;
+    }
   }
 }
 
@@ -106,11 +108,17 @@ TEST_P(EveryMethod, CountsSpacing) {
     TransformOptions with = options();
     with.side = TransformSide::outside;
     const std::vector<float> distance = transformed(mask_of(exact).seeds(), with);
-    glm::ivec3 far(4);
-    far[axis] = 8;
-    const double got = distance[exact.index(far.x, far.y, far.z)];
-    // From the last sample inside, or from half a step before.
-    EXPECT_NEAR(got, 37.5, 3.6 + 2.6) << axis;
+    glm::ivec3 at(4);
+    at[axis] = 0;
+    while (exact.values[exact.index(at.x, at.y, at.z)] < 0) ++at[axis];
+    const int first = at[axis];
+    at[axis] = 8;
+    const double got = distance[exact.index(at.x, at.y, at.z)];
+    // From the last sample inside, or from half a step before it; the best real chamfer steps along
+    // an axis are up to 6 % short.
+    const double want = 10.0 * (9 - first);
+    EXPECT_LE(got, want + 1e-4) << axis;
+    EXPECT_GE(got, 0.93 * (want - 5)) << axis;
   }
 }
 
@@ -149,7 +157,7 @@ TEST_P(EveryMethod, StopsWhenCancelled) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod, testing::ValuesIn(transform_methods()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& method) { return std::string(method.param.name); });
 
 TEST(Transform, RefusesWhatMakesNoSense) {
   const Mask v = noise({4, 5, 6}, 0.5, 1);
