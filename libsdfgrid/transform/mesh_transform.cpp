@@ -18,13 +18,14 @@ std::unique_ptr<MeshTransform> make_mesh_transform(const SignedMesh& mesh, const
     case TransformMethod::closest_point:
     case TransformMethod::chamfer345:
     case TransformMethod::chamfer3:
+      return make_mesh_march(mesh, lattice, band, options, job);
+    // Their steps are longer than the seeds are deep, and would jump over the surface.
     case TransformMethod::chamfer5:
     case TransformMethod::chamfer_mask:
-      return make_mesh_march(mesh, lattice, band, options, job);
     case TransformMethod::meijster:
       break;
   }
-  throw Error(ErrorKind::usage, "this method is for volumes; meshes have no voxels to start from");
+  throw Error(ErrorKind::usage, "this method is for volumes only");
 }
 
 }  // namespace sdfgrid

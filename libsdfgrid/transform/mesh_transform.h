@@ -29,8 +29,8 @@ class MeshTransform {
 };
 
 // Does the transform, all but the last step. Keeps a reference to the mesh. Takes the methods
-// feature, fmm, fmm2, closest_point and the chamfer ones; of the options method, bucket_width and
-// steps. Throws Error{usage} for others, and for a band that the method cannot do.
+// feature, fmm, fmm2, closest_point, chamfer345 and chamfer3; of the options method and
+// bucket_width. Throws Error{usage} for others, and for a band that the method cannot do.
 [[nodiscard]] std::unique_ptr<MeshTransform> make_mesh_transform(const SignedMesh& mesh,
                                                                  const Lattice& lattice,
                                                                  const Band& band,
