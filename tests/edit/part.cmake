@@ -21,3 +21,10 @@ sdfgrid_test(session_test LABEL heavy
 target_compile_definitions(session_test PRIVATE SDFGRID_SESSION_CHILD="$<TARGET_FILE:session_child>"
                                                 SDFGRID_BINARY="$<TARGET_FILE:sdfgrid_app>")
 add_dependencies(session_test session_child)
+
+find_package(nlohmann_json REQUIRED)
+sdfgrid_test(sculpt_app_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/sculpt_app_test.cpp
+                                   ${CMAKE_CURRENT_LIST_DIR}/../app/process.cpp
+             PACKAGES nlohmann_json::nlohmann_json)
+target_compile_definitions(sculpt_app_test PRIVATE SDFGRID_BINARY="$<TARGET_FILE:sdfgrid_app>")
+add_dependencies(sculpt_app_test sdfgrid_app)

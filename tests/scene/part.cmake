@@ -5,3 +5,10 @@ sdfgrid_test(scene_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/scene_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/refused_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/../app/process.cpp)
 target_compile_definitions(scene_test PRIVATE SDFGRID_BINARY="")
+
+find_package(nlohmann_json REQUIRED)
+sdfgrid_test(scene_app_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/scene_app_test.cpp
+                                   ${CMAKE_CURRENT_LIST_DIR}/../app/process.cpp
+             PACKAGES nlohmann_json::nlohmann_json)
+target_compile_definitions(scene_app_test PRIVATE SDFGRID_BINARY="$<TARGET_FILE:sdfgrid_app>")
+add_dependencies(scene_app_test sdfgrid_app)

@@ -1,0 +1,70 @@
+// sdfgrid sculpt as a user's script calls it: DESIGN's keys and exit codes, sessions over several
+// runs.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/process.h"
+
+namespace sdfgrid::test {
+namespace {
+
+using nlohmann::json;
+
+class SculptApp : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(run({"convert", cube_, "-o", grid_, "--dim", "32", "--quiet"}).exit, 0);
+  }
+  Folder folder_;
+  std::string cube_ = folder_.write("cube.off", cube_off());
+  std::string grid_ = folder_.path("cube.vdb");
+  std::string out_ = folder_.path("carved.vdb");
+  std::string strokes_ = folder_.write(
+      "strokes.yaml",
+      "sdfgrid-strokes: 1\n"
+      "strokes:\n"
+      "  - {op: difference, brush: {sphere: {radius: 0.2}}, path: [[0, 0, 1], [1, 1, 1]]}\n"
+      "  - {op: union, brush: {box: {size: [0.2, 0.2, 0.2]}}, path: [[0.5, 0.5, 0]]}\n");
+};
+
+TEST_F(SculptApp, SaysWhatItDid) {
+  const Outcome outcome = run({"sculpt", grid_, "--strokes", strokes_, "-o", out_, "--json"});
+  ASSERT_EQ(outcome.exit, 0) << outcome.error;
+  const json result = json::parse(outcome.out);
+  EXPECT_EQ(result["strokes"], 2);
+  EXPECT_GT(result["dabs"], 2);
+  EXPECT_GT(result["bricks_touched"], 0);
+  EXPECT_GT(result["dabs_per_second"], 0.0);
+  for (const char* step : {"load", "edit", "write", "total"}) {
+    EXPECT_TRUE(result["seconds"].contains(step)) << step;
+  }
+  // What was cut away is away: the carved cube is not the cube.
+  EXPECT_EQ(run({"compare", out_, cube_, "--tolerance", "0.02", "--quiet"}).exit, 3);
+  EXPECT_EQ(run({"sculpt", grid_, "--strokes", strokes_, "-o", out_}).exit, 2);  // needs --force
+}
+
+TEST_F(SculptApp, RefusesAStrokeFileWithItsPlace) {
+  const std::string bad = folder_.write("bad.yaml",
+                                        "sdfgrid-strokes: 1\nstrokes:\n  - {op: unoin, brush: "
+                                        "{sphere: {radius: 0.2}}, path: [[0, 0, 1]]}\n");
+  const Outcome outcome = run({"sculpt", grid_, "--strokes", bad, "-o", out_});
+  EXPECT_EQ(outcome.exit, 4) << outcome.error;
+  EXPECT_NE(outcome.error.find("bad.yaml"), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("3"), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("union"), std::string::npos) << outcome.error;
+}
+
+TEST_F(SculptApp, UndoneStrokesLeaveTheGridThatWas) {
+  const std::string session = folder_.path("session");
+  ASSERT_EQ(run({"sculpt", grid_, "--strokes", strokes_, "--session", session}).exit, 0);
+  ASSERT_EQ(run({"sculpt", "--session", session, "--undo", "2"}).exit, 0);
+  ASSERT_EQ(run({"sculpt", "--session", session, "--export", out_}).exit, 0);
+  EXPECT_EQ(run({"compare", out_, grid_, "--tolerance", "0", "--quiet"}).exit, 0);
+  ASSERT_EQ(run({"sculpt", "--session", session, "--redo", "2"}).exit, 0);
+  ASSERT_EQ(run({"sculpt", "--session", session, "--export", out_, "--force"}).exit, 0);
+  EXPECT_EQ(run({"compare", out_, grid_, "--tolerance", "0.02", "--quiet"}).exit, 3);
+}
+
+}  // namespace
+}  // namespace sdfgrid::test

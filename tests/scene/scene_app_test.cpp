@@ -1,0 +1,70 @@
+// Scenes on the command line: convert, render, sample and shapes as a user's script calls them.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "app/process.h"
+#include "sdfgrid/field/field.h"
+
+namespace sdfgrid::test {
+namespace {
+
+using nlohmann::json;
+
+class SceneApp : public ::testing::Test {
+ protected:
+  Folder folder_;
+  std::string scene_ = folder_.write("scene.yaml",
+                                     "sdfgrid: 1\n"
+                                     "scene:\n"
+                                     "  - difference:\n"
+                                     "      - box: {size: [2, 2, 2]}\n"
+                                     "      - sphere: {radius: 1.2}\n");
+};
+
+TEST_F(SceneApp, BecomesAGrid) {
+  const std::string grid = folder_.path("scene.vdb");
+  const Outcome outcome = run({"convert", scene_, "-o", grid, "--dim", "40", "--json"});
+  ASSERT_EQ(outcome.exit, 0) << outcome.error;
+  const json result = json::parse(outcome.out);
+  EXPECT_EQ(result["method"], "field");
+  EXPECT_GT(result["active_voxels"], 1000);
+  EXPECT_EQ(run({"info", grid, "--quiet"}).exit, 0);
+}
+
+TEST_F(SceneApp, BecomesAPicture) {
+  const Outcome outcome =
+      run({"render", scene_, "-o", folder_.path("scene.png"), "--size", "64x64", "--json"});
+  ASSERT_EQ(outcome.exit, 0) << outcome.error;
+  const json result = json::parse(outcome.out);
+  EXPECT_EQ(result["rays"], 64 * 64);
+  EXPECT_GT(result["hits"], 400);
+  EXPECT_LT(result["hits"], 64 * 64);
+}
+
+TEST_F(SceneApp, IsSampledForNumpy) {
+  const std::string out = folder_.path("samples.npy");
+  const Outcome outcome = run({"sample", scene_, "-o", out, "--random", "50"});
+  ASSERT_EQ(outcome.exit, 0) << outcome.error;
+  EXPECT_GT(std::filesystem::file_size(out), 50U * 4U * 4U);
+}
+
+TEST_F(SceneApp, RefusesBrokenStructureWithItsLine) {
+  const std::string bad = folder_.write("bad.yaml", "sdfgrid: 1\nscene:\n  - sphere: {radius: 1\n");
+  const Outcome outcome = run({"convert", bad, "-o", folder_.path("bad.vdb")});
+  EXPECT_EQ(outcome.exit, 4) << outcome.error;
+  EXPECT_NE(outcome.error.find("bad.yaml"), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("line"), std::string::npos) << outcome.error;
+}
+
+TEST_F(SceneApp, ShapesListsEveryOp) {
+  const Outcome outcome = run({"shapes"});
+  ASSERT_EQ(outcome.exit, 0);
+  for (const OpEntry& op : op_list()) {
+    EXPECT_NE(outcome.out.find(op.info->name), std::string::npos) << op.info->name;
+  }
+}
+
+}  // namespace
+}  // namespace sdfgrid::test
