@@ -111,7 +111,7 @@ TEST(Journal, AnyBytesAreUnderstood) {
   std::mt19937 random(1);
   for (int trial = 0; trial < 3000; ++trial) {
     std::string bytes;
-    for (unsigned i = random() % 200; i > 0; --i) bytes += "0123 \nabcf\x00\xff"[random() % 12];
+    for (auto i = random() % 200; i > 0; --i) bytes += "0123 \nabcf\x00\xff"[random() % 12];
     const JournalContent content = parse_journal(bytes);
     EXPECT_LE(content.good_bytes, bytes.size());
   }
@@ -289,7 +289,7 @@ TEST(SessionCrash, KilledTwoHundredTimesItLosesNothing) {
       // Some are killed while they open, most somewhere in the strokes after.
       const unsigned strokes = random() % 4;
       for (unsigned i = 0; i <= strokes; ++i) acknowledged = std::max(acknowledged, child.next());
-      ::usleep(random() % 3000);
+      ::usleep(static_cast<useconds_t>(random() % 3000));
       child.kill();
       for (long more = child.next(); more >= 0; more = child.next()) acknowledged = more;
     }
