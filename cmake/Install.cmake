@@ -23,6 +23,7 @@ endforeach()
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/sdfgrid)
 install(TARGETS sdfgrid EXPORT sdfgridTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS sdfgrid_pictures LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/sdfgrid)
 install(EXPORT sdfgridTargets NAMESPACE sdfgrid:: DESTINATION ${package_folder})
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/sdfgridConfig.cmake.in
                               ${PROJECT_BINARY_DIR}/sdfgridConfig.cmake

@@ -1,7 +1,5 @@
 #include "sdfgrid/image/image.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "sdfgrid/core/atomic_file.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/image/codec.h"
 
 namespace sdfgrid {
 namespace {
@@ -72,22 +71,20 @@ void check_png_channels(const std::string& path, const std::vector<std::string>&
   }
 }
 
-// The file's bytes. OpenImageIO writes to memory, since its PNG writer does not notice a full disk.
-std::vector<unsigned char> encode(const std::string& path, const OIIO::ImageSpec& spec,
-                                  OIIO::TypeDesc type, const void* data) {
-  const auto fail = [&](const std::string& reason) {
-    throw Error(ErrorKind::failed, path + ": cannot be written (" + reason + ")");
-  };
-  OIIO::attribute("threads", 1);  // threads are core/parallel's alone
-  OIIO::attribute("exr_threads", -1);
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput memory(bytes);
-  const auto output = OIIO::ImageOutput::create(path, &memory);
-  if (!output) fail(OIIO::geterror());
-  if (!output->open(path, spec)) fail(output->geterror());
-  if (!output->write_image(type, data)) fail(output->geterror());
-  if (!output->close()) fail(output->geterror());
-  return bytes;
+std::vector<unsigned char> encode(const std::string& path, const PictureSpec& spec,
+                                  const void* pixels) {
+  try {
+    return picture_codec().encode(path, spec, pixels);
+  } catch (const PictureError& reason) {
+    throw Error(ErrorKind::failed, path + ": cannot be written (" + reason.what() + ")");
+  }
+}
+
+void decode_srgb(Image& image) {
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    if (is_alpha(image.channels[i % image.channels.size()])) continue;
+    image.pixels[i] = linear_from_srgb(image.pixels[i]);
+  }
 }
 
 }  // namespace
@@ -115,35 +112,30 @@ void write_image(const std::string& path, const Image& image) {
   const bool png = kind == ".png";
   if (png) check_png_channels(path, image.channels);
 
-  OIIO::ImageSpec spec(image.width, image.height, static_cast<int>(image.channels.size()),
-                       png ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT);
-  spec.channelnames = image.channels;
-  spec.attribute("oiio:ColorSpace", png ? "sRGB" : "Linear");
-  if (!png) spec.attribute("compression", "zip");
-  const std::vector<unsigned char> bytes =
-      png ? encode(path, spec, OIIO::TypeDesc::UINT8, encode_8bit(image).data())
-          : encode(path, spec, OIIO::TypeDesc::FLOAT, image.pixels.data());
+  PictureSpec spec;
+  spec.width = image.width;
+  spec.height = image.height;
+  spec.channels = image.channels;
+  spec.type = png ? PixelType::u8 : PixelType::f32;
+  spec.srgb = png;
+  const std::vector<unsigned char> bytes = encode(
+      path, spec, png ? static_cast<const void*>(encode_8bit(image).data()) : image.pixels.data());
   write_bytes_atomically(path, std::as_bytes(std::span(bytes)));
 }
 
 Image read_image(const std::string& path) {
-  const auto input = OIIO::ImageInput::open(path);
-  if (!input) {
-    throw input_error(path, "", OIIO::geterror(), "check the path and that the copy is complete");
+  try {
+    const auto input = picture_codec().open(path);
+    const PictureSpec spec = input->spec();
+    Image image{spec.width, spec.height, spec.channels, {}};
+    const auto channels = static_cast<int>(spec.channels.size());
+    image.pixels.resize(static_cast<std::size_t>(spec.width) * spec.height * channels);
+    input->read(0, channels, PixelType::f32, image.pixels.data());
+    if (spec.srgb) decode_srgb(image);
+    return image;
+  } catch (const PictureError& reason) {
+    throw input_error(path, "", reason.what(), "check the path and that the copy is complete");
   }
-  const OIIO::ImageSpec spec = input->spec();
-  Image image{spec.width, spec.height, spec.channelnames, {}};
-  image.pixels.resize(static_cast<std::size_t>(spec.width) * spec.height * spec.nchannels);
-  if (!input->read_image(0, 0, 0, -1, OIIO::TypeDesc::FLOAT, image.pixels.data())) {
-    throw input_error(path, "", input->geterror(), "check that the copy is complete");
-  }
-  if (spec.get_string_attribute("oiio:ColorSpace") == "sRGB") {
-    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-      if (is_alpha(image.channels[i % image.channels.size()])) continue;
-      image.pixels[i] = linear_from_srgb(image.pixels[i]);
-    }
-  }
-  return image;
 }
 
 float srgb_from_linear(float linear) {

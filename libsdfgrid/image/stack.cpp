@@ -1,16 +1,18 @@
 #include "sdfgrid/image/stack.h"
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <memory>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/memory.h"
+#include "sdfgrid/image/codec.h"
 
 namespace sdfgrid {
 namespace {
@@ -56,20 +58,21 @@ struct Slice {
   int page = 0;
 };
 
-std::unique_ptr<OIIO::ImageInput> open(const std::string& file) {
-  auto input = OIIO::ImageInput::open(file);
-  if (!input) {
-    throw input_error(file, "", "it is no picture that can be read (" + OIIO::geterror() + ")",
+std::unique_ptr<PictureInput> open(const std::string& file) {
+  try {
+    return picture_codec().open(file);
+  } catch (const PictureError& reason) {
+    throw input_error(file, "",
+                      std::string("it is no picture that can be read (") + reason.what() + ")",
                       "leave only the slices, complete, in the folder");
   }
-  return input;
 }
 
 std::vector<Slice> find_slices(const std::string& path) {
   std::vector<Slice> slices;
   if (!fs::is_directory(path)) {
     const auto input = open(path);
-    while (input->seek_subimage(static_cast<int>(slices.size()), 0)) {
+    while (input->seek(static_cast<int>(slices.size()))) {
       slices.push_back({path, static_cast<int>(slices.size())});
     }
     return slices;
@@ -87,48 +90,31 @@ std::vector<Slice> find_slices(const std::string& path) {
   return slices;
 }
 
-// Samples of the type that OpenImageIO calls so; half becomes float.
-Samples samples_of(const std::string& file, const OIIO::TypeDesc& type) {
-  switch (type.basetype) {
-    case OIIO::TypeDesc::UINT8:
-      return std::vector<std::uint8_t>();
-    case OIIO::TypeDesc::INT8:
-      return std::vector<std::int8_t>();
-    case OIIO::TypeDesc::UINT16:
-      return std::vector<std::uint16_t>();
-    case OIIO::TypeDesc::INT16:
-      return std::vector<std::int16_t>();
-    case OIIO::TypeDesc::UINT32:
-      return std::vector<std::uint32_t>();
-    case OIIO::TypeDesc::INT32:
-      return std::vector<std::int32_t>();
-    case OIIO::TypeDesc::HALF:
-    case OIIO::TypeDesc::FLOAT:
-      return std::vector<float>();
-    case OIIO::TypeDesc::DOUBLE:
-      return std::vector<double>();
-    default:
-      break;
-  }
-  throw input_error(file, "", fmt::format("pixels of type {}", type.c_str()),
-                    "convert it to 8 or 16 bits or float");
+template <std::size_t... Is>
+Samples alternative(std::size_t index, std::index_sequence<Is...> /*all*/) {
+  Samples samples;
+  ((Is == index ? static_cast<void>(samples.emplace<Is>()) : void()), ...);
+  return samples;
 }
 
-OIIO::TypeDesc type_of(const Samples& samples) {
-  constexpr OIIO::TypeDesc::BASETYPE kTypes[] = {
-      OIIO::TypeDesc::UINT8,  OIIO::TypeDesc::INT8,  OIIO::TypeDesc::UINT16, OIIO::TypeDesc::INT16,
-      OIIO::TypeDesc::UINT32, OIIO::TypeDesc::INT32, OIIO::TypeDesc::UINT64, OIIO::TypeDesc::INT64,
-      OIIO::TypeDesc::FLOAT,  OIIO::TypeDesc::DOUBLE};
-  return kTypes[samples.index()];
+// Empty samples of the picture's type.
+Samples samples_of(const std::string& file, const PictureSpec& spec) {
+  if (spec.type == PixelType::other) {
+    throw input_error(file, "", "pixels of type " + spec.type_name,
+                      "convert it to 8 or 16 bits or float");
+  }
+  constexpr std::size_t kTypes = std::variant_size_v<Samples>;
+  static_assert(kTypes == static_cast<std::size_t>(PixelType::other));
+  return alternative(static_cast<std::size_t>(spec.type), std::make_index_sequence<kTypes>());
 }
 
 std::string place_of(const Slice& slice) {
   return slice.page > 0 ? fmt::format("page {}", slice.page + 1) : "";
 }
 
-void check_slice(const Slice& slice, const OIIO::ImageSpec& spec, const Volume& volume) {
-  if (spec.nchannels > 2) {
-    throw input_error(slice.file, place_of(slice), fmt::format("{} channels", spec.nchannels),
+void check_slice(const Slice& slice, const PictureSpec& spec, const Volume& volume) {
+  if (spec.channels.size() > 2) {
+    throw input_error(slice.file, place_of(slice), fmt::format("{} channels", spec.channels.size()),
                       "convert the slices to grey");
   }
   if (spec.width != volume.dims.x || spec.height != volume.dims.y || spec.depth > 1) {
@@ -137,31 +123,31 @@ void check_slice(const Slice& slice, const OIIO::ImageSpec& spec, const Volume& 
                                   spec.height, volume.dims.x, volume.dims.y),
                       "leave slices of one size only");
   }
-  if (samples_of(slice.file, spec.format).index() != volume.samples.index()) {
+  if (samples_of(slice.file, spec).index() != volume.samples.index()) {
     throw input_error(slice.file, place_of(slice),
-                      fmt::format("pixels of type {} where the first slice has {}",
-                                  spec.format.c_str(), type_name(volume.samples)),
+                      fmt::format("pixels of type {} where the first slice has {}", spec.type_name,
+                                  type_name(volume.samples)),
                       "convert the slices to one type");
   }
 }
 
-void read_slice(const Slice& slice, OIIO::ImageInput& input, int k, Volume& volume) {
-  if (!input.seek_subimage(slice.page, 0)) {
-    throw input_error(slice.file, place_of(slice), input.geterror(), "copy it again");
+void read_slice(const Slice& slice, PictureInput& input, int k, Volume& volume) {
+  try {
+    if (!input.seek(slice.page)) throw PictureError("the page is missing");
+    check_slice(slice, input.spec(), volume);
+    const auto type = static_cast<PixelType>(volume.samples.index());
+    std::visit(
+        [&](auto& values) {
+          input.read(slice.page, 1, type, values.data() + volume.place({0, 0, k}));
+        },
+        volume.samples);
+  } catch (const PictureError& reason) {
+    throw input_error(slice.file, place_of(slice), reason.what(),
+                      "check that the copy is complete");
   }
-  check_slice(slice, input.spec(), volume);
-  std::visit(
-      [&](auto& values) {
-        if (!input.read_image(slice.page, 0, 0, 1, type_of(volume.samples),
-                              values.data() + volume.place({0, 0, k}))) {
-          throw input_error(slice.file, place_of(slice), input.geterror(),
-                            "check that the copy is complete");
-        }
-      },
-      volume.samples);
 }
 
-void allocate(const std::string& path, const OIIO::ImageSpec& first, std::size_t slices,
+void allocate(const std::string& path, const PictureSpec& first, std::size_t slices,
               Volume& volume) {
   constexpr int kMost = 1 << 20;
   if (first.width < 1 || first.height < 1 || first.width > kMost || first.height > kMost ||
@@ -192,17 +178,16 @@ VolumeFile read_image_stack(const std::string& path, const Job& job) {
   if (!fs::exists(path)) {
     throw input_error(path, "", "there is no such file or folder", "check the path");
   }
-  OIIO::attribute("threads", 1);  // threads are core/parallel's alone
   const std::vector<Slice> slices = find_slices(path);
   VolumeFile file;
   file.format = fs::is_directory(path) ? "stack of pictures" : "TIFF";
-  std::unique_ptr<OIIO::ImageInput> input;
+  std::unique_ptr<PictureInput> input;
   for (std::size_t k = 0; k < slices.size(); ++k) {
     job.checkpoint();
     job.report("read", static_cast<double>(k) / static_cast<double>(slices.size()));
     if (k == 0 || slices[k].file != slices[k - 1].file) input = open(slices[k].file);
     if (k == 0) {
-      file.volume.samples = samples_of(slices[k].file, input->spec().format);
+      file.volume.samples = samples_of(slices[k].file, input->spec());
       allocate(path, input->spec(), slices.size(), file.volume);
     }
     read_slice(slices[k], *input, static_cast<int>(k), file.volume);

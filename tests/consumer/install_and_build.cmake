@@ -20,4 +20,6 @@ run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR}
     -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_PREFIX_PATH=${WORK}/prefix)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${CMAKE_COMMAND} -E chdir ${WORK}/build ${WORK}/build/consumer)
-run(${WORK}/prefix/bin/sdfgrid --version)
+# The installed program finds its module for pictures wherever the prefix is.
+run(${WORK}/prefix/bin/sdfgrid render ${WORK}/build/consumer.vdb -o ${WORK}/build/tetrahedron.png
+    --size 16x16 --quiet)
