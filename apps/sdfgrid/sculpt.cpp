@@ -11,6 +11,7 @@
 #include "sdfgrid/edit/sculptor.h"
 #include "sdfgrid/edit/session.h"
 #include "sdfgrid/edit/stroke_file.h"
+#include "sdfgrid/scene/stamp.h"
 
 namespace sdfgrid::cli {
 namespace {
@@ -60,10 +61,11 @@ void check(const Options& options) {
   if (!options.output.path.empty()) check_output(options.output);
 }
 
-StrokeFile read_stroke_file(const Options& options, Context& context) {
+StrokeFile read_stroke_file(const Options& options, FileStamps& stamps, Context& context) {
   if (options.strokes.empty()) return {};
-  StrokeFile file = read_strokes(options.strokes);
+  StrokeFile file = read_strokes(options.strokes, &stamps);
   for (const std::string& warning : file.warnings) context.warn(warning);
+  for (const std::string& warning : stamps.warnings()) context.warn(warning);
   return file;
 }
 
@@ -118,7 +120,8 @@ void describe(const Totals& totals, const Stopwatch& watch, Context& context) {
 
 Exit sculpt_file(const Options& options, Context& context) {
   Stopwatch watch;
-  const StrokeFile file = read_stroke_file(options, context);
+  FileStamps stamps(context.job());
+  const StrokeFile file = read_stroke_file(options, stamps, context);
   const Grid grid = read_grid(options.input);
   watch.lap("load");
   SculptOptions sculpt;
@@ -139,11 +142,11 @@ Exit sculpt_file(const Options& options, Context& context) {
 
 // How many strokes of the file the session begins with, if it began with this file and was
 // interrupted: --resume goes on behind them.
-std::size_t already_there(const Session& session, const StrokeFile& file) {
+std::size_t already_there(Session& session, const StrokeFile& file) {
   const std::size_t count = session.strokes().size();
   if (count > file.strokes.size()) return 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (session.strokes()[i] != file.strokes[i].text) return 0;
+    if (session.strokes()[i] != session.recorded_text(file.strokes[i])) return 0;
   }
   return count;
 }
@@ -159,12 +162,14 @@ void print_log(const Session& session, Context& context) {
 
 Exit run_session(const Options& options, Context& context) {
   Stopwatch watch;
-  const StrokeFile file = read_stroke_file(options, context);
+  FileStamps stamps(context.job());
+  const StrokeFile file = read_stroke_file(options, stamps, context);
   if (!options.input.empty()) {
     create_session(options.session, read_grid(options.input), options.redistance);
   }
   SessionOptions opening;
   opening.salvage = options.salvage;
+  opening.stamps = &stamps;
   Session session(options.session, opening, context.job());
   watch.lap("load");
   if (options.undo > 0) context.result()["undone"] = session.undo(options.undo, context.job());

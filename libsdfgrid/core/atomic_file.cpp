@@ -92,6 +92,12 @@ void write_atomically(const std::string& path,
     std::error_code failed;
     fs::rename(temporary, target, failed);
     if (failed) throw Error(ErrorKind::failed, path + ": " + failed.message());
+    // The new name, too; file systems that cannot flush a folder write it with the file.
+    const int names = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (names >= 0) {
+      (void)::fsync(names);
+      ::close(names);
+    }
   } catch (...) {
     fs::remove(temporary, ignored);
     throw;

@@ -230,10 +230,29 @@ void Session::replay(const Job& job) {
   sculptor_ = std::make_unique<Sculptor>(grid, sculpt_);
   for (std::size_t i = from; i < done_.size(); ++i) {
     const std::string source = fmt::format("{}: record {}", file("journal"), standing[i]);
-    (void)sculptor_->apply(parse_stroke(done_[i], source), job);
+    (void)sculptor_->apply(parse(done_[i], source), job);
     job.report("replay", static_cast<double>(i + 1) / static_cast<double>(done_.size()));
   }
   since_snapshot_ = done_.size() - from;
+}
+
+Stroke Session::parse(const std::string& text, const std::string& source) const {
+  return parse_stroke(text, source, {options_.stamps, folder_, true});
+}
+
+std::string Session::recorded_text(const Stroke& stroke) {
+  if (stroke.text.empty()) {
+    throw Error(ErrorKind::usage, "a stroke of a session needs a text to be recorded by");
+  }
+  if (stroke.stamps.empty()) return stroke.text;
+  if (options_.stamps == nullptr) {
+    throw Error(ErrorKind::usage, "this session was opened without a maker of stamps");
+  }
+  std::vector<std::string> names;
+  for (const Stamp& stamp : stroke.stamps) {
+    names.push_back("stamps/" + options_.stamps->keep(stamp, file("stamps")));
+  }
+  return with_stamp_files(stroke.text, names);
 }
 
 void Session::record(const std::string& text) {
@@ -242,17 +261,15 @@ void Session::record(const std::string& text) {
 }
 
 StrokeReport Session::apply(const Stroke& stroke, const Job& job) {
-  if (stroke.text.empty()) {
-    throw Error(ErrorKind::usage, "a stroke of a session needs a text to be recorded by");
-  }
+  const std::string text = recorded_text(stroke);
   StrokeReport report = sculptor_->apply(stroke, job);
   try {
-    record("stroke " + stroke.text);
+    record("stroke " + text);
   } catch (...) {
     sculptor_->undo();
     throw;
   }
-  done_.push_back(stroke.text);
+  done_.push_back(text);
   undone_.clear();
   if (++since_snapshot_ >= options_.snapshot_every) snapshot();
   return report;
@@ -294,7 +311,7 @@ std::size_t Session::redo(std::size_t count, const Job& job) {
     const std::string text = undone_.back();
     undone_.pop_back();
     done_.push_back(text);
-    if (!sculptor_->redo()) (void)sculptor_->apply(parse_stroke(text, file("journal")), job);
+    if (!sculptor_->redo()) (void)sculptor_->apply(parse(text, file("journal")), job);
   }
   return count;
 }

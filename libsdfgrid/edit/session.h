@@ -3,6 +3,7 @@
 //   base.vdb           the grid that it began with
 //   journal            one record a stroke, undo or redo (edit/journal.h)
 //   snapshot-N.vdb     the grid after the first N records, so that opening need not replay them all
+//   stamps/            copies of the grids and scenes that strokes used, named by their contents
 //   lock               held by the one process that has the session open
 //
 // What a call acknowledged by returning is on the disk. A session opens with every acknowledged
@@ -18,6 +19,7 @@
 #include "sdfgrid/core/job.h"
 #include "sdfgrid/edit/journal.h"
 #include "sdfgrid/edit/sculptor.h"
+#include "sdfgrid/edit/stamp.h"
 
 namespace sdfgrid {
 
@@ -25,6 +27,7 @@ struct SessionOptions {
   // Goes on from the last good record of a damaged journal, which is kept as journal.damaged.
   bool salvage = false;
   std::size_t snapshot_every = 500;  // strokes
+  StampMaker* stamps = nullptr;      // must outlive the session; none: strokes with stamps fail
 };
 
 // Makes a session of `grid` in a folder that does not exist or is empty. Throws Error{usage} if
@@ -44,6 +47,9 @@ class Session {
   // Applies a stroke that has a text (edit/stroke_file.h), records it and returns. If it cannot be
   // recorded the grid is as before, and Error{failed} is thrown.
   StrokeReport apply(const Stroke& stroke, const Job& job);
+  // The text that apply() records: the stroke's, with copies in this session of its stamps, which
+  // are made if they are not there yet. Throws Error{failed}.
+  [[nodiscard]] std::string recorded_text(const Stroke& stroke);
   // Undo, or redo, that many strokes or as many as there are; return how many.
   std::size_t undo(std::size_t count, const Job& job);
   std::size_t redo(std::size_t count, const Job& job);
@@ -61,6 +67,7 @@ class Session {
   void read_header(const std::string& text);
   void replay(const Job& job);
   std::size_t best_snapshot(const std::vector<std::size_t>& standing, Grid& grid) const;
+  [[nodiscard]] Stroke parse(const std::string& text, const std::string& source) const;
   void record(const std::string& text);
   void snapshot();
   [[nodiscard]] std::string file(const std::string& name) const { return folder_ + "/" + name; }

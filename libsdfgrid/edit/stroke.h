@@ -46,6 +46,14 @@ struct Brush {
   std::shared_ptr<const BrushShape> shape;  // in place of the ball
 };
 
+// A file that a brush is made of (edit/stamp.h).
+struct Stamp {
+  enum class Kind : std::uint8_t { grid, scene };
+  Kind kind = Kind::grid;
+  std::string file;   // its path
+  bool kept = false;  // whether it is named by the hash of its contents
+};
+
 struct PathPoint {
   glm::dvec3 at{0.0};
   double pressure = 1;  // scales the ball's radius and a clay tool's strength; in (0, 1]
@@ -61,11 +69,13 @@ struct Stroke {
   StrokeOp op = StrokeOp::unite;
   Brush brush;
   std::vector<PathPoint> path;
-  double spacing = 0.25;  // between places of the brush along the path, in radii of it
-  double smooth = 0;      // width of the blend of a CSG stroke; 0: a sharp edge
-  double strength = 0.5;  // of a clay tool, in (0, 1]
-  std::string text;       // as in a stroke file, one line; empty for a stroke made in code
+  double spacing = 0.25;   // between places of the brush along the path, in radii of it
+  bool at_points = false;  // put it down at the path's points alone, neither swept nor spaced
+  double smooth = 0;       // width of the blend of a CSG stroke; 0: a sharp edge
+  double strength = 0.5;   // of a clay tool, in (0, 1]
+  std::string text;        // as in a stroke file, one line; empty for a stroke made in code
   std::vector<MirrorPlane> mirror;  // the stroke is repeated on the other side of each
+  std::vector<Stamp> stamps;        // that the brush is made of, in the order of the text
 };
 
 }  // namespace sdfgrid

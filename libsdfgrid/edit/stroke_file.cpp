@@ -4,6 +4,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -20,7 +21,8 @@ std::string place_of(const YAML::Node& node) {
 // Reads one file's strokes; knows what to call it in messages.
 class Reader {
  public:
-  explicit Reader(std::string source) : source_(std::move(source)) {}
+  Reader(std::string source, StampSource stamps)
+      : source_(std::move(source)), stamps_(std::move(stamps)) {}
 
   Stroke stroke(const YAML::Node& node);
   std::vector<std::string> warnings;
@@ -33,15 +35,20 @@ class Reader {
  private:
   double number(const YAML::Node& node, const char* what) const;
   std::vector<double> numbers(const YAML::Node& node, const char* what) const;
-  StrokeOp op(const YAML::Node& node) const;
-  Brush brush(const YAML::Node& node) const;
-  Field field(const YAML::Node& node, bool& exact) const;
+  void op(const YAML::Node& node, Stroke& stroke) const;
+  Brush brush(const YAML::Node& node);
+  Field field(const YAML::Node& node, bool& exact);
+  Stamp stamp(const YAML::Node& node) const;
+  template <class Make>
+  auto made_of(const YAML::Node& node, const Make& make) const;
   Argument argument(const std::string& name, const YAML::Node& node) const;
   std::vector<PathPoint> path(const YAML::Node& node) const;
   std::vector<MirrorPlane> mirror(const YAML::Node& node) const;
   MirrorPlane plane(const YAML::Node& word, double at) const;
 
   std::string source_;
+  StampSource stamps_;
+  std::vector<Stamp> used_;  // of the stroke that is read
 };
 
 double Reader::number(const YAML::Node& node, const char* what) const {
@@ -59,15 +66,20 @@ std::vector<double> Reader::numbers(const YAML::Node& node, const char* what) co
   return all;
 }
 
-StrokeOp Reader::op(const YAML::Node& node) const {
+constexpr const char* kStampWord = "stamp";  // a union at the path's points alone
+
+void Reader::op(const YAML::Node& node, Stroke& stroke) const {
+  const std::string given = node.IsScalar() ? node.Scalar() : "";
   std::string words;
   for (int i = 0; i <= static_cast<int>(StrokeOp::pinch); ++i) {
-    const auto candidate = static_cast<StrokeOp>(i);
-    if (node.IsScalar() && node.Scalar() == stroke_op_word(candidate)) return candidate;
-    words += fmt::format("{}{}", i == 0 ? "" : ", ", stroke_op_word(candidate));
+    stroke.op = static_cast<StrokeOp>(i);
+    if (given == stroke_op_word(stroke.op)) return;
+    words += fmt::format("{}, ", stroke_op_word(stroke.op));
   }
-  const std::string given = node.IsScalar() ? node.Scalar() : "";
-  refuse(node, fmt::format("no stroke does '{}'", given), "use one of " + words);
+  stroke.op = StrokeOp::unite;
+  stroke.at_points = given == kStampWord;
+  if (stroke.at_points) return;
+  refuse(node, fmt::format("no stroke does '{}'", given), "use one of " + words + kStampWord);
 }
 
 Argument Reader::argument(const std::string& name, const YAML::Node& node) const {
@@ -86,10 +98,49 @@ Argument Reader::argument(const std::string& name, const YAML::Node& node) const
   }
 }
 
+bool is_stamp(const YAML::Node& node) {
+  return node.IsMap() && node.size() == 1 && (node["grid"] || node["scene"]);
+}
+
+// {grid: {file: NAME}} or {scene: {file: NAME}}.
+Stamp Reader::stamp(const YAML::Node& node) const {
+  Stamp stamp;
+  const auto kind = node.begin()->first.as<std::string>();
+  stamp.kind = kind == "grid" ? Stamp::Kind::grid : Stamp::Kind::scene;
+  const YAML::Node body = node.begin()->second;
+  const YAML::Node file = body.IsMap() ? body["file"] : YAML::Node();
+  if (!file || !file.IsScalar() || body.size() != 1) {
+    refuse(node, fmt::format("a {} has a file and nothing else", kind),
+           fmt::format("as in {{{}: {{file: name.{}}}}}; turn, move and scale it by {{rotate: "
+                       "{{by: [0, 90, 0], of: ...}}}} and the like",
+                       kind, kind == "grid" ? "vdb" : "yaml"));
+  }
+  if (stamps_.maker == nullptr) refuse(node, "stamps cannot be read here", "use another brush");
+  stamp.file = (std::filesystem::path(stamps_.folder) / file.Scalar()).string();
+  stamp.kept = stamps_.kept;
+  return stamp;
+}
+
+// What `make` makes of a stamp; if the stamp is refused, with the stroke's place, too.
+template <class Make>
+auto Reader::made_of(const YAML::Node& node, const Make& make) const {
+  try {
+    return make();
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::input) throw;
+    refuse(node, fmt::format("the stamp '{}' cannot be used", used_.back().file), e.what());
+  }
+}
+
 // {OP: {PARAMETER: VALUE, ..., of: NODE or [NODE, ...]}} or {OP: [NODE, ...]}.
-Field Reader::field(const YAML::Node& node, bool& exact) const {
+Field Reader::field(const YAML::Node& node, bool& exact) {
   if (!node.IsMap() || node.size() != 1) {
     refuse(node, "a brush is one op with its parameters", "as in {sphere: {radius: 0.05}}");
+  }
+  if (is_stamp(node)) {
+    exact = false;
+    used_.push_back(stamp(node));
+    return made_of(node, [&] { return stamps_.maker->field(used_.back()); });
   }
   const auto word = node.begin()->first.as<std::string>();
   const YAML::Node body = node.begin()->second;
@@ -129,13 +180,19 @@ Field Reader::field(const YAML::Node& node, bool& exact) const {
   }
 }
 
-// A ball is swept exactly along its path, so it does not become a field.
-Brush Reader::brush(const YAML::Node& node) const {
+// A ball is swept exactly along its path, so it does not become a field; nor does a grid alone,
+// whose samples say more.
+Brush Reader::brush(const YAML::Node& node) {
   Brush brush;
   if (node.IsMap() && node.size() == 1 && node["sphere"]) {
     const YAML::Node radius = node["sphere"]["radius"];
     if (!radius) refuse(node, "the sphere has no radius", "as in {sphere: {radius: 0.05}}");
     brush.radius = number(radius, "radius");
+    return brush;
+  }
+  if (is_stamp(node)) {
+    used_ = {stamp(node)};
+    brush.shape = made_of(node, [&] { return stamps_.maker->brush(used_.front()); });
     return brush;
   }
   bool exact = true;
@@ -204,11 +261,12 @@ Stroke Reader::stroke(const YAML::Node& node) {
     if (!node[needed]) refuse(node, fmt::format("the stroke has no {}", needed), "add it");
   }
   Stroke s;
+  used_.clear();
   for (const auto& item : node) {
     const auto word = item.first.as<std::string>();
     const YAML::Node& value = item.second;
     if (word == "op") {
-      s.op = op(value);
+      op(value, s);
     } else if (word == "brush") {
       s.brush = brush(value);
     } else if (word == "path") {
@@ -228,8 +286,23 @@ Stroke Reader::stroke(const YAML::Node& node) {
           source_, place_of(item.first), word));
     }
   }
+  if (s.at_points && used_.empty()) {
+    refuse(node["brush"], "a stamp's brush is a grid or a scene", "as in {grid: {file: name.vdb}}");
+  }
+  s.stamps = used_;
   s.text = text_of(node);
   return s;
+}
+
+// In the order in which a Reader finds them.
+void rename_stamps(YAML::Node node, const std::vector<std::string>& files, std::size_t& next) {
+  if (is_stamp(node)) {
+    node.begin()->second["file"] = files.at(next++);
+  } else if (node.IsSequence()) {
+    for (const YAML::Node& item : node) rename_stamps(item, files, next);
+  } else if (node.IsMap()) {
+    for (const auto& item : node) rename_stamps(item.second, files, next);
+  }
 }
 
 YAML::Node load(const std::string& text, const std::string& source) {
@@ -243,7 +316,8 @@ YAML::Node load(const std::string& text, const std::string& source) {
 
 }  // namespace
 
-StrokeFile parse_strokes(const std::string& text, const std::string& source) {
+StrokeFile parse_strokes(const std::string& text, const std::string& source,
+                         const StampSource& stamps) {
   const YAML::Node root = load(text, source);
   if (!root.IsMap() || !root["sdfgrid-strokes"]) {
     throw input_error(source, "line 1", "this is no stroke file",
@@ -257,23 +331,31 @@ StrokeFile parse_strokes(const std::string& text, const std::string& source) {
   if (!strokes || !strokes.IsSequence()) {
     throw input_error(source, "", "it has no list of strokes", "add 'strokes:' and a list");
   }
-  Reader reader(source);
+  Reader reader(source, stamps);
   StrokeFile file;
   for (const YAML::Node& node : strokes) file.strokes.push_back(reader.stroke(node));
   file.warnings = reader.warnings;
   return file;
 }
 
-StrokeFile read_strokes(const std::string& path) {
+StrokeFile read_strokes(const std::string& path, StampMaker* stamps) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw input_error(path, "", "it cannot be read", "check the path");
   std::stringstream text;
   text << in.rdbuf();
-  return parse_strokes(text.str(), path);
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  return parse_strokes(text.str(), path, {stamps, folder, false});
 }
 
-Stroke parse_stroke(const std::string& text, const std::string& source) {
-  return Reader(source).stroke(load(text, source));
+Stroke parse_stroke(const std::string& text, const std::string& source, const StampSource& stamps) {
+  return Reader(source, stamps).stroke(load(text, source));
+}
+
+std::string with_stamp_files(const std::string& text, const std::vector<std::string>& files) {
+  YAML::Node node = load(text, "stroke");
+  std::size_t next = 0;
+  rename_stamps(node["brush"], files, next);
+  return text_of(node);
 }
 
 }  // namespace sdfgrid

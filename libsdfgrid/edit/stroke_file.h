@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sdfgrid/edit/stamp.h"
 #include "sdfgrid/edit/stroke.h"
 
 namespace sdfgrid {
@@ -18,13 +19,19 @@ struct StrokeFile {
 };
 
 // Throws Error{input} with file, line and remedy for what is not such a file, and for a stroke
-// without op, brush or path or with a value of the wrong kind.
-[[nodiscard]] StrokeFile read_strokes(const std::string& path);
+// without op, brush or path or with a value of the wrong kind. Stamps are relative to its folder.
+[[nodiscard]] StrokeFile read_strokes(const std::string& path, StampMaker* stamps = nullptr);
 
 // The same of text; `source` is what messages call it.
-[[nodiscard]] StrokeFile parse_strokes(const std::string& text, const std::string& source);
+[[nodiscard]] StrokeFile parse_strokes(const std::string& text, const std::string& source,
+                                       const StampSource& stamps = {});
 
 // One stroke from Stroke::text.
-[[nodiscard]] Stroke parse_stroke(const std::string& text, const std::string& source);
+[[nodiscard]] Stroke parse_stroke(const std::string& text, const std::string& source,
+                                  const StampSource& stamps = {});
+
+// The text with other names for its stamps' files, one for each of Stroke::stamps.
+[[nodiscard]] std::string with_stamp_files(const std::string& text,
+                                           const std::vector<std::string>& files);
 
 }  // namespace sdfgrid

@@ -41,19 +41,14 @@ void check_stroke(const Stroke& stroke) {
   }
 }
 
-// The ball that holds a shape, wherever it is flipped: its centre is the shape's origin.
-double bounding_radius(const Box& box) {
-  const glm::dvec3 far = glm::max(glm::abs(box.lo), glm::abs(box.hi));
-  return glm::length(far);
-}
-
 class Planner {
  public:
   Planner(const Stroke& stroke, const Lattice& lattice, const PlanLimits& limits)
       : stroke_(stroke), lattice_(lattice), limits_(limits) {
-    const double radius =
-        stroke.brush.shape ? bounding_radius(stroke.brush.shape->bounds) : stroke.brush.radius;
+    const BrushShape* shape = stroke.brush.shape.get();
+    const double radius = shape ? 0.5 * glm::length(shape->bounds.size()) : stroke.brush.radius;
     radius_ = radius / lattice.voxel;
+    if (is_csg(stroke.op)) shape_ = shape;
   }
 
   StrokePlan plan() {
@@ -67,6 +62,7 @@ class Planner {
 
  private:
   void place_along_path();
+  void place_at_points();
   void place_dabs(bool swept);
   void mirror();
   void warn();
@@ -78,12 +74,25 @@ class Planner {
   const Stroke& stroke_;
   const Lattice& lattice_;
   const PlanLimits& limits_;
-  double radius_;  // voxels
+  double radius_;                      // voxels; of a shape half its box's diagonal
+  const BrushShape* shape_ = nullptr;  // in whose box the stroke stays; else it is balls
   StrokePlan plan_;
 };
 
+void Planner::place_at_points() {
+  for (const PathPoint& point : stroke_.path) {
+    Placement p;
+    p.from = p.to = lattice_.to_index(point.at);
+    p.pressure = point.pressure;
+    p.radius_from = p.radius_to = stroke_.brush.shape ? radius_ : radius_ * p.pressure;
+    plan_.placements.push_back(p);
+  }
+  plan_.dabs = plan_.placements.size();
+}
+
 // Balls of CSG strokes are swept from point to point; all else is put down in dabs.
 void Planner::place_along_path() {
+  if (stroke_.at_points) return place_at_points();
   const bool swept = is_csg(stroke_.op) && !stroke_.brush.shape;
   place_dabs(swept);
   if (!swept) return;
@@ -154,6 +163,13 @@ void Planner::mirror() {
 }
 
 void Planner::reach(const Placement& p, glm::dvec3& lo, glm::dvec3& hi) const {
+  if (shape_ != nullptr) {
+    const glm::dvec3 a = p.flip * shape_->bounds.lo / lattice_.voxel;
+    const glm::dvec3 b = p.flip * shape_->bounds.hi / lattice_.voxel;
+    lo = p.from + glm::min(a, b) - limits_.margin;
+    hi = p.from + glm::max(a, b) + limits_.margin;
+    return;
+  }
   const double r = std::max(p.radius_from, p.radius_to) + limits_.margin;
   lo = glm::min(p.from, p.to) - r;
   hi = glm::max(p.from, p.to) + r;
@@ -188,22 +204,24 @@ void Planner::warn() {
 
 void Planner::check_size() const {
   double bricks = 0;
-  for (const Placement& p : plan_.placements) {
-    const double r = std::max(p.radius_from, p.radius_to) + limits_.margin + kHalfDiagonal;
-    bricks += (4.18879 * r * r * r + 3.14159 * r * r * glm::length(p.to - p.from)) / 512;
-  }
-  if (bricks <= limits_.max_bricks) return;
   glm::dvec3 lo(1e300);
   glm::dvec3 hi(-1e300);
+  const auto bricks_of = [](const glm::dvec3& samples) {
+    const glm::dvec3 size = samples / 8.0 + 2.0;
+    return size.x * size.y * size.z;
+  };
   for (const Placement& p : plan_.placements) {
     glm::dvec3 from;
     glm::dvec3 to;
     reach(p, from, to);
     lo = glm::min(lo, from);
     hi = glm::max(hi, to);
+    const double r = std::max(p.radius_from, p.radius_to) + limits_.margin + kHalfDiagonal;
+    bricks += shape_ != nullptr
+                  ? bricks_of(to - from)
+                  : (4.18879 * r * r * r + 3.14159 * r * r * glm::length(p.to - p.from)) / 512;
   }
-  const glm::dvec3 size = (hi - lo) / 8.0 + 2.0;
-  const double most = std::min(bricks, size.x * size.y * size.z);  // dabs overlap
+  const double most = std::min(bricks, bricks_of(hi - lo));  // dabs overlap
   if (most <= limits_.max_bricks) return;
   throw Error(ErrorKind::usage,
               fmt::format("a stroke of radius {:.3g} voxels would touch about {:.2g} bricks "
@@ -249,7 +267,7 @@ void Planner::find_bricks() {
       for (int y = lo.y; y <= hi.y; ++y) {
         for (int z = lo.z; z <= hi.z; ++z) {
           const glm::dvec3 middle = 8.0 * glm::dvec3(x, y, z) + 3.5;
-          if (distance_to_segment(middle, p.from, p.to) > r) continue;
+          if (shape_ == nullptr && distance_to_segment(middle, p.from, p.to) > r) continue;
           pairs.push_back({key_of({x, y, z}), i, {x, y, z}});
         }
       }

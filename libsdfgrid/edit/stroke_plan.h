@@ -17,7 +17,7 @@ namespace sdfgrid {
 struct Placement {
   glm::dvec3 from{0.0};
   glm::dvec3 to{0.0};
-  double radius_from = 0;  // voxels; of a shape's bounding ball
+  double radius_from = 0;  // voxels; of a shape half its box's diagonal
   double radius_to = 0;
   double pressure = 1;
   glm::dvec3 flip{1.0};  // -1 along the axes in which a shape is mirrored

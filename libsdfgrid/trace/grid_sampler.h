@@ -5,6 +5,7 @@
 
 #include "sdfgrid/core/job.h"
 #include "sdfgrid/field/field.h"
+#include "sdfgrid/grid/atlas.h"
 #include "sdfgrid/grid/grid.h"
 
 namespace sdfgrid {
@@ -14,5 +15,12 @@ namespace sdfgrid {
 // box of the active voxels the distance to that box if that is more. Throws Error{input} for a grid
 // without sign or without voxels.
 [[nodiscard]] std::shared_ptr<const Sampler> make_sampler(const Grid& grid, const Job& job);
+
+// Throws what make_sampler() throws.
+void check_has_inside(const Grid& grid);
+
+// The trilinear field itself, world units, which may be larger than the distance; `box` is that of
+// the active voxels, beyond which it is the distance to that box if that is more.
+[[nodiscard]] double trilinear_distance(const Atlas& atlas, const Box& box, const glm::dvec3& p);
 
 }  // namespace sdfgrid
