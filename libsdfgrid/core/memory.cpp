@@ -1,10 +1,12 @@
 #include "sdfgrid/core/memory.h"
 
 #include <malloc.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
+#include <memory>
 #include <string>
 
 namespace sdfgrid {
@@ -28,6 +30,18 @@ double available_memory() {
   if (available >= 0) return available;
   return static_cast<double>(::sysconf(_SC_PHYS_PAGES)) *
          static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
+void prefer_large_pages(void* begin, std::size_t bytes) {
+#ifdef MADV_HUGEPAGE
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  void* first = begin;
+  if (std::align(page, page, first, bytes) == nullptr) return;
+  ::madvise(first, bytes / page * page, MADV_HUGEPAGE);  // may fail: then pages stay small
+#else
+  static_cast<void>(begin);
+  static_cast<void>(bytes);
+#endif
 }
 
 PeakMemory::PeakMemory() {

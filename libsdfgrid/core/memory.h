@@ -1,10 +1,17 @@
-// core/memory.h: how much memory the machine has left, and how much the program takes.
+// core/memory.h: how much memory the machine has left, and how much the program takes, in pages of
+// which size.
 #pragma once
+
+#include <cstddef>
 
 namespace sdfgrid {
 
 // Bytes that the machine can still hand out, the page cache included.
 [[nodiscard]] double available_memory();
+
+// Asks the system for large pages in memory that was not written to yet: for work that jumps about
+// in it, as each small page is looked up by itself. Does nothing where there are none.
+void prefer_large_pages(void* begin, std::size_t bytes);
 
 // What a piece of work takes in memory: the peak of the whole program's resident memory since
 // construction, less what was resident then. Memory that was freed before is given back to the

@@ -28,7 +28,7 @@ std::uint32_t BrickField::make(const glm::ivec3& coordinate) {
   if (!is_new) return found->second;
   const std::uint32_t brick = size();
   if (brick == kMostBricks) {
-    throw Error(ErrorKind::failed, "the band needs more than 2^32 samples; use a larger voxel");
+    throw Error(ErrorKind::failed, "the band needs more than 2^31 samples; use a larger voxel");
   }
   coordinates_.push_back(coordinate);
   neighbors_.emplace_back();

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <unordered_map>
@@ -16,7 +17,7 @@ namespace sdfgrid {
 class BrickField {
  public:
   static constexpr std::uint32_t kNowhere = 0;            // the brick that stands for missing ones
-  static constexpr std::uint32_t kMostBricks = 1U << 23;  // 2^32 samples
+  static constexpr std::uint32_t kMostBricks = 1U << 22;  // 2^31 samples
 
   BrickField() : coordinates_(1), neighbors_(1) {}
 
@@ -29,6 +30,9 @@ class BrickField {
   [[nodiscard]] std::uint32_t size() const {
     return static_cast<std::uint32_t>(coordinates_.size());
   }
+  [[nodiscard]] std::size_t samples() const { return static_cast<std::size_t>(size()) * 512; }
+  // Of each brick nine: along each axis the brick below, itself, the one above.
+  [[nodiscard]] const std::uint32_t* neighbors() const { return neighbors_[0][0].data(); }
   [[nodiscard]] const glm::ivec3& coordinate(std::uint32_t brick) const {
     return coordinates_[brick];
   }

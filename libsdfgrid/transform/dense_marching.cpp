@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 #include <vector>
 
+#include "sdfgrid/core/error.h"
 #include "sdfgrid/transform/dense_seeds.h"
 #include "sdfgrid/transform/marching.h"
 
@@ -13,15 +15,15 @@ namespace {
 
 class DenseMarch {
  public:
-  DenseMarch(const DenseSeeds& seeds, const TransformOptions& options)
-      : samples_(seeds), options_(options), march_(march_options()) {}
+  DenseMarch(const DenseSeeds& seeds, TransformOptions options)
+      : samples_(seeds),
+        options_(std::move(options)),
+        march_(march_options(), DenseField(seeds.dims)) {}
 
   void run(std::span<float> distance, const Job& job) {
-    make_bricks();
-    for (std::uint32_t brick = 1; brick < march_.field().size(); ++brick) {
-      if (brick % 256 == 0) job.checkpoint();
-      seed_brick(brick);
-    }
+    march_.reserve();
+    for_each_row(job, [&](int x, int y) { seed(x, y); });
+    block_border();
     if (options_.method == TransformMethod::closest_point) {
       const glm::vec3 spacing(samples_.spacing());
       march_.run_sources(
@@ -32,14 +34,14 @@ class DenseMarch {
     } else {
       march_.run(job);
     }
-    for (std::uint32_t brick = 1; brick < march_.field().size(); ++brick) {
-      if (brick % 256 == 0) job.checkpoint();
-      for_each_sample(brick, [&](std::uint32_t sample, const glm::ivec3& at) {
-        const std::size_t n = samples_.number(at);
-        distance[n] =
-            finish_distance(march_.value(sample), samples_.inside(n), samples_.unit(), options_);
-      });
-    }
+    for_each_row(job, [&](int x, int y) {
+      const std::uint32_t first = march_.field().sample({x, y, 0});
+      const std::size_t n = samples_.number({x, y, 0});
+      for (std::uint32_t z = 0; z < static_cast<std::uint32_t>(samples_.dims().z); ++z) {
+        distance[n + z] = finish_distance(march_.value(first + z), samples_.inside(n + z),
+                                          samples_.unit(), options_);
+      }
+    });
   }
 
  private:
@@ -55,58 +57,60 @@ class DenseMarch {
     return march;
   }
 
-  void make_bricks() {
-    const glm::ivec3 bricks = (samples_.dims() + 7) / 8;
-    for (int x = 0; x < bricks.x; ++x) {
-      for (int y = 0; y < bricks.y; ++y) {
-        for (int z = 0; z < bricks.z; ++z) march_.field().make({x, y, z});
-      }
+  // Visits the rows along z.
+  template <class Visit>
+  void for_each_row(const Job& job, const Visit& visit) const {
+    for (int x = 0; x < samples_.dims().x; ++x) {
+      job.checkpoint();
+      for (int y = 0; y < samples_.dims().y; ++y) visit(x, y);
     }
-    march_.reserve();
   }
 
-  // Visits the samples of a brick that are in the volume, and blocks the others.
-  template <class Visit>
-  void for_each_sample(std::uint32_t brick, const Visit& visit) {
-    const glm::ivec3 lo = march_.field().coordinate(brick) * 8;
-    std::uint32_t sample = brick * 512;
-    for (int x = 0; x < 8; ++x) {
-      for (int y = 0; y < 8; ++y) {
-        for (int z = 0; z < 8; ++z, ++sample) {
-          const glm::ivec3 at = lo + glm::ivec3(x, y, z);
-          if (samples_.has(at)) {
-            visit(sample, at);
-          } else {
-            march_.block(sample);
-          }
+  void block_border() {
+    constexpr int kBorder = DenseField::kBorder;
+    const glm::ivec3& dims = samples_.dims();
+    for (int x = -kBorder; x < dims.x + kBorder; ++x) {
+      for (int y = -kBorder; y < dims.y + kBorder; ++y) {
+        const bool row = x < 0 || y < 0 || x >= dims.x || y >= dims.y;
+        for (int z = -kBorder; z < dims.z + kBorder; ++z) {
+          if (!row && z == 0) z = dims.z;
+          march_.block(march_.field().sample({x, y, z}));
         }
       }
     }
   }
 
-  void seed_brick(std::uint32_t brick) {
-    for_each_sample(brick, [&](std::uint32_t sample, const glm::ivec3& at) {
+  void seed(int x, int y) {
+    may_seed_.resize(static_cast<std::size_t>(samples_.dims().z));
+    samples_.seed_row(x, y, may_seed_.data());
+    for (int z = 0; z < samples_.dims().z; ++z) {
+      const glm::ivec3 at(x, y, z);
       SurfaceSeed seed{};
-      if (!samples_.seed(at, seed)) return;
+      if (may_seed_[static_cast<std::size_t>(z)] == 0 || !samples_.seed(at, seed)) continue;
       // A zero keeps its side by its sign.
       const float signed_distance =
           std::copysign(seed.distance, samples_.inside(samples_.number(at)) ? -1.0F : 1.0F);
-      march_.seed(sample, signed_distance, static_cast<std::uint32_t>(points_.size()));
-      if (options_.method != TransformMethod::closest_point) return;
+      march_.seed(march_.field().sample(at), signed_distance,
+                  static_cast<std::uint32_t>(points_.size()));
+      if (options_.method != TransformMethod::closest_point) continue;
       points_.push_back(glm::vec3(at) * glm::vec3(samples_.spacing()) + seed.to_point);
-    });
+    }
   }
 
   SignedSamples samples_;
   TransformOptions options_;
-  March march_;
-  std::vector<glm::vec3> points_;  // of the surface, nearest to each seed
+  March<DenseField> march_;
+  std::vector<std::uint8_t> may_seed_;  // of one row
+  std::vector<glm::vec3> points_;       // of the surface, nearest to each seed
 };
 
 }  // namespace
 
 void march_dense(const DenseSeeds& seeds, const TransformOptions& options,
                  std::span<float> distance, const Job& job) {
+  if (DenseField::samples(seeds.dims) > DenseField::kMostSamples) {
+    throw Error(ErrorKind::usage, "marching takes volumes of up to 2^31 samples; use meijster");
+  }
   DenseMarch(seeds, options).run(distance, job);
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <vector>
 
 namespace sdfgrid {
 namespace {
@@ -33,6 +34,31 @@ void SignedSamples::inside_row(std::size_t first, std::uint8_t* inside) const {
     for (std::size_t k = 0; k < count; ++k) inside[k] = v[k] > 0.5F ? 1 : 0;
   } else {
     for (std::size_t k = 0; k < count; ++k) inside[k] = v[k] < 0 ? 1 : 0;
+  }
+}
+
+void SignedSamples::seed_row(int x, int y, std::uint8_t* may) const {
+  const auto count = static_cast<std::size_t>(dims().z);
+  std::vector<std::uint8_t> here(count);
+  std::vector<std::uint8_t> beside(count);
+  inside_row(number({x, y, 0}), here.data());
+  may[0] = 0;
+  for (std::size_t k = 1; k < count; ++k) {
+    may[k] = here[k] != here[k - 1] ? 1 : 0;
+    if (may[k] != 0) may[k - 1] = 1;
+  }
+  for (const glm::ivec3 row :
+       {glm::ivec3(x - 1, y, 0), {x + 1, y, 0}, {x, y - 1, 0}, {x, y + 1, 0}}) {
+    if (!has(row)) continue;
+    inside_row(number(row), beside.data());
+    for (std::size_t k = 0; k < count; ++k) {
+      may[k] = static_cast<std::uint8_t>(may[k] | (here[k] ^ beside[k]));
+    }
+  }
+  if (seeds_.values.empty() || seeds_.kind != SeedKind::distance) return;
+  const float* values = seeds_.values.data() + number({x, y, 0});
+  for (std::size_t k = 0; k < count; ++k) {
+    may[k] = std::abs(values[k] * scale_) < kTrusted ? 1 : may[k];
   }
 }
 

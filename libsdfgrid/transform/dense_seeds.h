@@ -45,6 +45,8 @@ class SignedSamples {
            at.z < seeds_.dims.z;
   }
 
+  // For a row of samples along z: not 0 where seed() may be true.
+  void seed_row(int x, int y, std::uint8_t* may) const;
   // True for a sample with a neighbour on the other side, or whose distance is given and small.
   [[nodiscard]] bool seed(const glm::ivec3& at, SurfaceSeed& seed) const;
 

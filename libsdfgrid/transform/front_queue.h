@@ -15,22 +15,29 @@
 
 namespace sdfgrid {
 
+// Distances from low on and below high.
+struct DistanceRange {
+  float low;
+  float high;
+};
+
 class HeapQueue {
  public:
   void push(float distance, std::uint32_t sample) {
     heap_.emplace_back(distance, sample);
     std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
   }
-  // False if nothing is left.
-  bool pop(std::uint32_t& sample) {
+  // What may be accepted together: one sample. False if nothing is left.
+  bool pop(std::vector<std::uint32_t>& samples) {
+    samples.clear();
     if (heap_.empty()) return false;
     std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
-    sample = heap_.back().second;
+    samples.push_back(heap_.back().second);
     heap_.pop_back();
     return true;
   }
-  // The sample that will be popped `count` samples later, if that is known; else 0.
-  [[nodiscard]] static std::uint32_t ahead(std::size_t) { return 0; }
+  // The distances of samples that were popped together.
+  [[nodiscard]] static DistanceRange together() { return {0, 0}; }
 
  private:
   std::vector<std::pair<float, std::uint32_t>> heap_;  // ties go by number: no chance in the order
@@ -59,29 +66,26 @@ class BucketQueue {
     ++count_;
   }
 
-  bool pop(std::uint32_t& sample) {
+  // A whole bucket, in the order of pushing; what is pushed into it later comes next. Last in,
+  // first out takes one at a time. False if nothing is left.
+  bool pop(std::vector<std::uint32_t>& samples) {
+    samples.clear();
     if (count_ == 0) return false;
-    for (;;) {
-      auto& now = bucket(current_);
-      if (next_ < now.size()) {
-        --count_;
-        if (order_ == Order::last_in_first_out) {
-          sample = now.back();
-          now.pop_back();
-        } else {
-          sample = now[next_++];
-        }
-        return true;
-      }
-      now.clear();
-      next_ = 0;
-      ++current_;
+    while (bucket(current_).empty()) ++current_;
+    auto& now = bucket(current_);
+    if (order_ == Order::last_in_first_out) {
+      samples.push_back(now.back());
+      now.pop_back();
+    } else {
+      samples.swap(now);
     }
+    count_ -= samples.size();
+    return true;
   }
-
-  [[nodiscard]] std::uint32_t ahead(std::size_t count) const {
-    const auto& now = buckets_[static_cast<std::size_t>(current_) & (buckets_.size() - 1)];
-    return next_ + count < now.size() ? now[next_ + count] : 0;
+  [[nodiscard]] DistanceRange together() const {
+    if (order_ == Order::last_in_first_out) return {0, 0};
+    const auto low = static_cast<float>(current_);
+    return {low / per_width_, (low + 1) / per_width_};
   }
 
  private:
@@ -93,7 +97,6 @@ class BucketQueue {
   std::vector<std::vector<std::uint32_t>> buckets_;  // a ring; their number is a power of two
   Order order_;
   std::int64_t current_ = 0;  // number of the bucket that is being emptied
-  std::size_t next_ = 0;      // in it
   std::size_t count_ = 0;
 };
 

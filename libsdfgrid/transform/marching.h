@@ -4,6 +4,10 @@
 //
 // Lengths are in units of the smallest spacing. Every value carries its side's sign, and stencils
 // take values of one side only, so that none crosses the surface.
+//
+// A bucket is accepted as a whole: its samples' neighbours are solved sixteen at a time. Those of
+// its samples that have a neighbour in the same bucket are solved once more first, for that one may
+// be upwind of them: without this, second order is lost along the directions in which that happens.
 #pragma once
 
 #include <bit>
@@ -17,6 +21,7 @@
 #include "sdfgrid/core/job.h"
 #include "sdfgrid/transform/brick_field.h"
 #include "sdfgrid/transform/chamfer_mask.h"
+#include "sdfgrid/transform/dense_field.h"
 #include "sdfgrid/transform/front_queue.h"
 
 namespace sdfgrid {
@@ -29,19 +34,21 @@ struct MarchOptions {
   double out_limit = 1e30;  // nothing further is accepted outside ...
   double in_limit = 1e30;   // ... and inside
   bool sources = false;     // closest-point marching: every sample has a source
-  bool grow = false;        // bricks are made where the front leaves them
+  bool grow = false;        // bricks are made where the front leaves them (BrickField)
 };
 
 // The distance from a sample (by index) to source `source`: a point, a triangle.
 using SourceDistance = std::function<float(const glm::ivec3& index, std::uint32_t source)>;
 
+// Over a BrickField or a DenseField.
+template <class Field = BrickField>
 class March {
  public:
-  explicit March(const MarchOptions& options);
+  explicit March(const MarchOptions& options, Field field = {});
 
-  // The bricks, made by the caller; reserve() then makes room in them for seed() and block().
-  BrickField& field() { return field_; }
-  [[nodiscard]] const BrickField& field() const { return field_; }
+  // The samples; bricks are made by the caller. reserve() then makes room for seed() and block().
+  Field& field() { return field_; }
+  [[nodiscard]] const Field& field() const { return field_; }
   void reserve();
   // A signed distance that is known, from `source`.
   void seed(std::uint32_t sample, float distance, std::uint32_t source = 0);
@@ -70,33 +77,52 @@ class March {
                ? v
                : std::numeric_limits<float>::quiet_NaN();
   }
-  void set(std::uint32_t sample, float value, bool final) {
-    const auto bits = std::bit_cast<std::uint32_t>(value) & ~kNotFinal;
-    values_[sample] = std::bit_cast<float>(final ? bits : bits | kNotFinal);
+  // A number's bits, rounded to those that have the last one free: to cut it off would add up.
+  [[nodiscard]] static std::uint32_t even_bits(float value) {
+    const auto bits = std::bit_cast<std::uint32_t>(value);
+    return (bits + (bits >> 1 & 1U)) & ~kNotFinal;
+  }
+  void finish(std::uint32_t sample) {
+    values_[sample] =
+        std::bit_cast<float>(std::bit_cast<std::uint32_t>(values_[sample]) & ~kNotFinal);
   }
 
   // The most a sample inside (or outside) may be away.
-  [[nodiscard]] float limit(float side) const;
-  // Takes a shorter distance of a sample, and puts it on the front.
+  [[nodiscard]] float limit(std::uint32_t side) const;
+  // The neighbour in a direction (0 to 5), made where it is missing if `grow`.
+  std::uint32_t neighbor(std::uint32_t sample, int direction, bool grow);
+  [[nodiscard]] bool grows(std::uint32_t sample) const;
+  // Takes a shorter distance of a sample, and puts it on the front. False if it is no shorter.
   template <class Queue>
-  void offer(Queue& queue, std::uint32_t sample, std::uint32_t from, float side, float distance);
+  bool offer(Queue& queue, std::uint32_t sample, std::uint32_t side, float distance);
   template <class Queue, class Candidate>
   void advance(Queue& queue, std::uint32_t sample, const Candidate& candidate);
   template <class Queue, class Advance>
   void empty(Queue& queue, const Advance& advance, const Job& job);
-  template <class Advance>
-  void with_queue(double longest_step, const Advance& advance, const Job& job);
-  [[nodiscard]] float solve(std::uint32_t sample, float side) const;
+  template <class Run>
+  void with_queue(double longest_step, const Run& run);
   void prefetch(std::uint32_t sample) const;
 
+  struct Work;
+  void look_around(std::span<const std::uint32_t> accepted, DistanceRange together, Work& work);
+  void solve(std::span<const std::uint32_t> samples, std::span<const std::uint32_t> sides,
+             std::vector<float>& distances) const;
+  void solve_again(Work& work);
+  template <class Queue>
+  void march(Queue& queue, const Job& job);
+  // Makes those final that are not, and drops the others.
+  void accept(std::vector<std::uint32_t>& samples);
+
   MarchOptions options_;
-  float weight_[3];  // of a first-order term along each axis
-  BrickField field_;
+  Field field_;
   // Signed distances, and whether they are final: then the last bit of the number is 0. One array
   // for both, as the front is larger than the cache. NaN, not final, at first; infinite if blocked.
   std::vector<float> values_;
   std::vector<std::uint32_t> sources_;  // as values_, in closest-point marching
   std::vector<std::uint32_t> seeds_;
 };
+
+extern template class March<BrickField>;
+extern template class March<DenseField>;
 
 }  // namespace sdfgrid

@@ -159,7 +159,7 @@ class MeshMarch final : public MeshTransform {
 
   Lattice lattice_;
   Band band_;
-  March march_;
+  March<BrickField> march_;
   BrickTable table_;
   bool contradicted_ = false;
   std::vector<TriangleRecord> records_;  // of all triangles, for closest_point

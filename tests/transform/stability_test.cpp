@@ -19,15 +19,20 @@ Errors marched(const Values& exact, const TransformOptions& options,
   return errors(transformed(exact.seeds(kind), options), exact);
 }
 
-// Mean errors in voxels of a volume of n and of 2 n; the order is of the error in world units.
-double order(double coarse, double fine) { return 1 + std::log2(coarse / fine); }
+// Mean errors in voxels of volumes of `coarse` and `fine` samples a side; the order is of the error
+// in world units.
+double order(int coarse, int fine) {
+  const TransformOptions options{.method = TransformMethod::fmm2};
+  const double low = marched(ball_values(coarse), options).mean;
+  const double high = marched(ball_values(fine), options).mean;
+  return 1 + std::log(low / high) / std::log(double(fine) / coarse);
+}
 
 TEST(Marching, SecondOrderConvergesFromExactSeeds) {
-  TransformOptions options{.method = TransformMethod::fmm2};
-  const double coarse = marched(ball_values(32), options).mean;
-  const double fine = marched(ball_values(64), options).mean;
-  EXPECT_LT(fine, 0.01);
-  EXPECT_GT(order(coarse, fine), 1.4) << coarse << " " << fine;
+  EXPECT_LT(marched(ball_values(128), {.method = TransformMethod::fmm2}).mean, 0.0045);
+  EXPECT_GT(order(32, 64), 1.55);
+  EXPECT_GT(order(64, 128), 1.78);
+  EXPECT_GT(order(128, 192), 1.9);
 }
 
 TEST(Marching, LinearSeedsCostAnOrder) {
@@ -54,15 +59,17 @@ TEST(Marching, BoxEdges) {
   EXPECT_LT(marched(exact, {.method = TransformMethod::closest_point}).max, 0.1);
 }
 
-TEST(Marching, BucketsUpToASixteenthChangeLittle) {
-  const Values exact = ball_values(48);
+TEST(Marching, BucketsUpToAQuarterChangeNothing) {
+  const Values exact = ball_values(64);
   const auto with = [&](double width) {
     return marched(exact, {.method = TransformMethod::fmm2, .bucket_width = width}).mean;
   };
   const double heap = with(0);
-  EXPECT_NEAR(with(1.0 / 64), heap, 0.5 * heap);
-  EXPECT_LT(with(1.0 / 16), 3 * heap);
-  EXPECT_GT(with(2), 1.2 * heap);
+  for (const double width : {1.0 / 64, 1.0 / 16, 0.25}) {
+    EXPECT_NEAR(with(width), heap, 0.005 * heap) << width;
+  }
+  EXPECT_GT(with(1), 1.1 * heap);
+  EXPECT_LT(with(2), 2 * heap);
 }
 
 // The same front by hand, for the order in a bucket, which options do not offer.
