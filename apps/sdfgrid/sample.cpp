@@ -3,7 +3,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <memory>
-#include <optional>
 #include <random>
 
 #include "command.h"
@@ -15,8 +14,8 @@
 #include "sdfgrid/grid/atlas.h"
 #include "sdfgrid/mesh/read.h"
 #include "sdfgrid/mesh/reference.h"
+#include "sdfgrid/scene/files.h"
 #include "sdfgrid/trace/trace.h"
-#include "sdfgrid/volume/read.h"
 #include "sdfgrid/volume/write.h"
 
 namespace sdfgrid::cli {
@@ -81,26 +80,6 @@ Sampled load(const Options& options, Context& context) {
   const auto value = [field](const glm::dvec3& p) { return double(field(glm::vec3(p))); };
   return {"scene", field.bounds(), value,
           [field](const glm::dvec3& p) { return field.gradient(p); }};
-}
-
-// The rows of an n x 3 array.
-std::vector<glm::dvec3> read_points(const std::string& path, const Job& job) {
-  const Volume volume = read_volume(path, std::nullopt, job).volume;
-  if (volume.dims.y != 3 || volume.dims.z != 1) {
-    throw input_error(path, "header", "it is no array of n x 3 numbers", "give one point a row");
-  }
-  const auto n = static_cast<std::size_t>(volume.dims.x);
-  std::vector<glm::dvec3> points(n);
-  std::visit(
-      [&](const auto& values) {
-        for (std::size_t i = 0; i < n; ++i) {
-          for (std::size_t a = 0; a < 3; ++a) {
-            points[i][static_cast<int>(a)] = static_cast<double>(values[a * n + i]);
-          }
-        }
-      },
-      volume.samples);
-  return points;
 }
 
 // Random numbers that are the same on every machine.
@@ -223,7 +202,8 @@ Run add_sample(CLI::App& app) {
   auto options = std::make_shared<Options>();
   app.add_option("IN", options->input, "grid (.vdb), mesh or scene (.yaml, .json)")->required();
   add_output(app, options->output, {".npy"});
-  auto* points = app.add_option("--points", options->points, "n x 3 array (.npy) of points");
+  auto* points = app.add_option("--points", options->points,
+                                "n x 3 array (.npy) of points, or a text with one a line");
   app.add_option("--random", options->random, "as many points at random in the bounds and around")
       ->check(CLI::Range(1, 1000000000))
       ->excludes(points);

@@ -51,6 +51,8 @@ const char* name_of(ParameterKind kind) {
       return "number";
     case ParameterKind::whole:
       return "whole number";
+    case ParameterKind::pair:
+      return "one or two numbers";
     case ParameterKind::vector:
       return "three numbers";
     case ParameterKind::matrix:
@@ -74,6 +76,9 @@ std::string traits(const Parameter& p) {
   if (p.lo > -kAnyNumber) text += fmt::format(", at least {:g}", p.lo);
   if (p.hi < kAnyNumber) text += fmt::format(", at most {:g}", p.hi);
   if (std::isnan(p.fallback[0])) return text + ", required";
+  if (p.kind == ParameterKind::pair) {
+    return text + fmt::format(", default [{:g}, {:g}]", p.fallback[0], p.fallback[1]);
+  }
   if (p.kind == ParameterKind::vector) {
     return text +
            fmt::format(", default [{:g}, {:g}, {:g}]", p.fallback[0], p.fallback[1], p.fallback[2]);

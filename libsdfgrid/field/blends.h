@@ -70,41 +70,57 @@ struct PNormUnion {
   Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
 };
 
-// N = (gA^p + gB^p)^(1/p) with gA = max(0, 1 - a / radius): the solid is where N >= 1. By Hoelder
-// its slope is at most K = (rA^-p + rB^-p)^(1/p). A point of the solid has a <= rA (1 - 2^(-1/p))
-// or the same of b: the better bound far away.
+// An op that has kTwo takes two nodes, no more: joined with a third in another order it would be
+// another solid.
+//
+// N = (gA^p + gB^p)^(1/p) with gA = max(0, 1 - a / rA): the solid is where N >= 1. By Hoelder its
+// slope is at most K = (rA^-p + rB^-p)^(1/p). A point of the solid has a <= rA (1 - 2^(-1/p)) or
+// the same of b: the better bound far away.
 struct Blend {
   static constexpr OpInfo info = {
       "blend",
       OpRole::combination,
       OpGuarantee::bound,
-      "A superelliptic blend: near both nodes the surface bulges, within `radius` of each.",
-      "blend: {radius: 0.5, power: 2, of: [{box: {size: [2, 2, 0.4]}}, {translate: {by: [0, 0, "
-      "0.5], "
-      "of: {sphere: {radius: 0.5}}}}]}",
+      "A superelliptic blend: near both nodes the surface bulges, within a radius of each.",
+      "blend: {radii: [0.3, 0.7], power: 2, of: [{box: {size: [2, 2, 0.4]}}, {translate: {by: [0, "
+      "0, 0.5], of: {sphere: {radius: 0.5}}}}]}",
       "A. Rockwood 1989; Hart (43) as printed is undefined inside"};
+  static constexpr bool kTwo = true;
   static constexpr Parameter parameters[] = {
-      size("radius", 0.3, "how far from either node the blend reaches"),
+      {"radii",
+       ParameterKind::pair,
+       "length",
+       {0.3, 0.3, 0},
+       kSmall,
+       kAny,
+       "how far from the first and the second node the blend reaches"},
       number("power", 2, 1, 32, "2 is round, more is tighter")};
   static constexpr bool kConvex = true;
-  float radius, power;
-  float scale, near;
+  float radii[2];
+  float power;
+  float scale;
+  float near[2];
 
   void prepare(Data) {
-    scale = radius * std::pow(2.0F, -1 / power);
-    near = radius * (1 - std::pow(2.0F, -1 / power));
+    // The smaller radius in front of the sum, so that nothing overflows.
+    const float smaller = std::fmin(radii[0], radii[1]);
+    const float ratio = smaller / std::fmax(radii[0], radii[1]);
+    scale = smaller * std::pow(1 + std::pow(ratio, power), -1 / power);
+    for (int i = 0; i < 2; ++i) near[i] = radii[i] * (1 - std::pow(2.0F, -1 / power));
   }
   template <class T>
   T combine(const T& a, const T& b, const Point<T>&) const {
-    const T g = positive(T(1.0F) - a * (1 / radius));
-    const T h = positive(T(1.0F) - b * (1 / radius));
+    const T g = positive(T(1.0F) - a * (1 / radii[0]));
+    const T h = positive(T(1.0F) - b * (1 / radii[1]));
     const T larger = max(max(g, h), T(1e-12F));
     const T n = larger * pow(T(1.0F) + pow(min(g, h) / larger, power), 1 / power);
-    return max((T(1.0F) - n) * scale, min(a, b) - near);
+    return max((T(1.0F) - n) * scale, min(a - near[0], b - near[1]));
   }
   Keep keep(const Interval&, const Interval&) const { return Keep::both; }
-  bool surface_of_first(double a, double b) const { return a <= b; }
-  double child_level(double level) const { return level + near; }
+  bool surface_of_first(double a, double b) const {
+    return a * static_cast<double>(radii[1]) <= b * static_cast<double>(radii[0]);
+  }
+  double child_level(double level) const { return level + std::fmax(near[0], near[1]); }
   Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
 };
 
@@ -116,6 +132,7 @@ struct Morph {
       "Between two nodes: (1 - weight) of the first distance and weight of the second.",
       "morph: {weight: 0.5, of: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: 1}}]}",
       "a convex combination of 1-Lipschitz functions"};
+  static constexpr bool kTwo = true;
   static constexpr Parameter parameters[] = {number("weight", 0.5, 0, 1, "of the second node")};
   static constexpr bool kConvex = true;
   float weight;
@@ -140,6 +157,7 @@ struct SpatialMorph {
       "{capsule: "
       "{from: [-1, 0, 0], to: [1, 0, 0], radius: 0.3}}]}",
       "the weight's slope times the difference of the distances adds to the slope"};
+  static constexpr bool kTwo = true;
   static constexpr Parameter parameters[] = {
       position("from", 0, 0, -1, "where the first node is whole"),
       position("to", 0, 0, 1, "where the second is")};
@@ -182,6 +200,7 @@ struct Partition {
                                   "{radius: 1}}, {box: {size: [1.6, "
                                   "1.2, 1.2]}}]}",
                                   ""};
+  static constexpr bool kTwo = true;
   static constexpr Parameter parameters[] = {
       vector("normal", 0, 0, 1, -kAny, kAny, "of the plane; any length but 0", ""),
       length_of("distance", 0, "of the plane from the origin along the normal")};

@@ -73,7 +73,8 @@ std::vector<double> CheckedArguments::numbers(std::string_view name) const {
   } else if (width > 0) {
     v.assign(p.fallback, p.fallback + width);
   }
-  if (width == 3 && v.size() == 1 && p.lo > 0) v.assign(3, v[0]);
+  const bool spreads = width == 2 || width == 3;
+  if (spreads && v.size() == 1 && p.lo > 0) v.assign(static_cast<std::size_t>(width), v[0]);
   if (width > 0 && static_cast<int>(v.size()) != width) {
     throw refused(fmt::format("`{}` has {} numbers; give {}", name, v.size(), width));
   }
@@ -95,6 +96,8 @@ std::vector<double> CheckedArguments::numbers(std::string_view name) const {
 
 int width_of(ParameterKind kind) {
   switch (kind) {
+    case ParameterKind::pair:
+      return 2;
     case ParameterKind::vector:
       return 3;
     case ParameterKind::matrix:

@@ -8,6 +8,7 @@
 #include "sdfgrid/field/noise.h"
 #include "sdfgrid/field/ops.h"
 #include "sdfgrid/field/parameters.h"
+#include "sdfgrid/field/texture.h"
 
 namespace sdfgrid {
 class Field;
@@ -71,6 +72,85 @@ struct FormulaDisplacement {
   Box bounds(const Box& a) const { return a; }
 };
 
+// A picture laid on x and y, or once around the z axis: there the displacement fades in proportion
+// to the distance from the axis within `around`, which keeps its slope bounded.
+struct TextureDisplacement {
+  static constexpr OpInfo info = {
+      "texture_displace",
+      OpRole::range,
+      OpGuarantee::bound,
+      "Moves the surface of a node outwards by a picture: black not at all, white by `amplitude`. "
+      "The picture lies on x and y, its middle at the origin, and repeats; or it goes once around "
+      "the z axis.",
+      "texture_displace: {width: 4, samples: [0, 1, 0, 0.3, 1, 0, 0.6, 0, 0, 0.2, 0, 1, 0.5, 0, 1, "
+      "0], size: 0.8, amplitude: 0.15, of: {box: {size: [2, 1.4, 0.6]}}}",
+      "quadratic B-spline over the samples; divided by 1 + the largest difference of neighbours "
+      "per "
+      "length"};
+  static constexpr Parameter parameters[] = {
+      {"file",
+       ParameterKind::text,
+       "",
+       {0, 0, 0},
+       0,
+       0,
+       "a picture, beside the scene; its grey values as they are stored"},
+      {"samples",
+       ParameterKind::numbers,
+       "",
+       {0, 0, 0},
+       -1e6,
+       1e6,
+       "instead of a file: heights row by row from the top, 0 black, 1 white"},
+      whole("width", 1, 1, 65536, "of `samples`: how many make a row"),
+      number("amplitude", 0.1, -kAny, kAny, "how far white moves the surface", "length"),
+      {"size",
+       ParameterKind::pair,
+       "length",
+       {1, 1, 0},
+       kSmall,
+       kAny,
+       "width and height of one copy; around an axis the height only"},
+      number("around", 0, 0, kAny, "0, or the radius of the surface that it goes around",
+             "length")};
+  static constexpr bool kList = true;
+  float width, amplitude;
+  float size[2];
+  float around;
+  float height, least, most;  // of the picture
+  float steepness;            // of the displacement
+  float scale;
+
+  void prepare(Data samples);
+  [[nodiscard]] Texture picture(Data samples) const {
+    return {samples.values, static_cast<int>(width), static_cast<int>(height), least, most};
+  }
+  template <class T>
+  T value(const T& d, const Point<T>& p, Data samples) const {
+    const Texture t = picture(samples);
+    if (around > 0) {
+      // On the axis itself the angle has no derivative.
+      const T beside = select(abs(p.x) + abs(p.y) > T(1e-12F), p.x, T(1e-12F));
+      const T u = (atan2(p.y, beside) * 0.159154943F + 0.5F) * width;
+      const T v = (T(0.5F) - p.z * (1 / size[1])) * height;
+      const T fade = min(length(p.x, p.y) * (1 / around), T(1.0F));
+      return (d - texture(t, u, v) * fade * amplitude) * scale;
+    }
+    const T u = (p.x * (1 / size[0]) + 0.5F) * width;
+    const T v = (T(0.5F) - p.y * (1 / size[1])) * height;
+    return (d - texture(t, u, v) * amplitude) * scale;
+  }
+  double slope(const Interval&, double slope, const Point<Interval>&, double stretch) const {
+    return (slope + steepness * stretch) * scale;
+  }
+  double child_level(double level) const {
+    const double most_out =
+        std::fmax(static_cast<double>(amplitude) * most, static_cast<double>(amplitude) * least);
+    return level / scale + std::fmax(most_out, 0.0) * 1.0001;
+  }
+  Box bounds(const Box& a) const { return a; }
+};
+
 struct Terrain {
   static constexpr OpInfo info = {
       "terrain",
@@ -104,7 +184,7 @@ struct Terrain {
   }
 };
 
-using Displacements = OpList<NoiseDisplacement, FormulaDisplacement>;
+using Displacements = OpList<NoiseDisplacement, FormulaDisplacement, TextureDisplacement>;
 using TerrainLeaves = OpList<Terrain>;
 
 }  // namespace sdfgrid::ops

@@ -6,6 +6,7 @@
 #include "sdfgrid/field/build.h"
 #include "sdfgrid/field/formula.h"
 #include "sdfgrid/field/formulas.h"
+#include "sdfgrid/field/polynomial.h"
 
 namespace sdfgrid::ops {
 namespace {
@@ -56,6 +57,35 @@ double largest_over(const std::vector<float>& code, double from, double to) {
   return largest;
 }
 
+// The exact form of a function's solid, if it has one.
+std::optional<Field> closed_form(const std::vector<float>& code, const FunctionGraph& shape) {
+  const Data data = {code.data(), static_cast<int>(code.size())};
+  const Polynomial f =
+      run_formula(data, Point<Polynomial>{Polynomial::variable(), Polynomial(0), Polynomial(0)});
+  if (!f.known()) return {};
+  FunctionGraph op = shape;
+  const double from = shape.from;
+  const double width = static_cast<double>(shape.to) - from;
+  const double start = f.c[0] + from * (f.c[1] + from * f.c[2]);
+  const double slope = f.c[1] + 2 * from * f.c[2];  // at the start
+  const double bend = f.c[2] * width * width;
+  const double end = start + slope * width + bend;
+  op.graph.set(
+      {{from, start, 0}, {from + 0.5 * width, start + 0.5 * slope * width, 0}, {shape.to, end, 0}});
+  const double low = shape.mode == 2 ? static_cast<double>(shape.bottom) : 0;
+  const double vertex = bend > 0 ? -f.c[1] / (2 * f.c[2]) : from;
+  double least = std::fmin(start, end);
+  if (vertex > from && vertex < shape.to) least = f.c[0] - f.c[1] * f.c[1] / (4 * f.c[2]);
+  // So nearly straight that the arc's closed form would cancel.
+  const bool slight = bend != 0 && std::fabs(slope * width) > 50 * std::fabs(bend);
+  if (least < low || slight) return {};
+  for (int i = 0; i < 3; ++i) op.coefficients[i] = static_cast<float>(f.c[i]);
+  op.ends[0] = static_cast<float>(start);
+  op.ends[1] = static_cast<float>(end);
+  const auto* first = reinterpret_cast<const float*>(&op);
+  return make_leaf(op_number("function_graph"), {first, first + sizeof op / sizeof(float)}, {});
+}
+
 }  // namespace
 
 Field Function::make(const std::vector<Argument>& given) {
@@ -74,11 +104,16 @@ Field Function::make(const std::vector<Argument>& given) {
   }
   const double largest = largest_over(code, from, to);
   if (!(largest < kAny)) throw arguments.refused("the function has no bound on its range");
-  std::vector<float> constants;
-  for (const double v : {static_cast<double>(found - kModes), from, to, arguments.number("floor"),
-                         arguments.number("depth"), largest}) {
-    constants.push_back(static_cast<float>(v));
-  }
+  FunctionGraph shape{};
+  shape.mode = static_cast<float>(found - kModes);
+  shape.from = static_cast<float>(from);
+  shape.to = static_cast<float>(to);
+  shape.bottom = static_cast<float>(arguments.number("floor"));
+  shape.depth = static_cast<float>(arguments.number("depth"));
+  shape.largest = static_cast<float>(largest);
+  if (const std::optional<Field> closed = closed_form(code, shape)) return *closed;
+  const std::vector<float> constants = {shape.mode,   shape.from,  shape.to,
+                                        shape.bottom, shape.depth, shape.largest};
   return bounded_by_region(info, make_leaf(op_number("function"), constants, code));
 }
 

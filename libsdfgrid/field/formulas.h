@@ -6,6 +6,7 @@
 #include "sdfgrid/core/lattice.h"
 #include "sdfgrid/field/dual.h"
 #include "sdfgrid/field/formula_code.h"
+#include "sdfgrid/field/parabola.h"
 #include "sdfgrid/field/parameters.h"
 
 namespace sdfgrid {
@@ -94,6 +95,19 @@ struct SecondOrder {
   }
 };
 
+// The box of the solid below a graph, grown by the level.
+template <class Graph>
+Box graph_box(const Graph& g, double level) {
+  const double grow = std::fmax(level, 0.0);
+  const double r = std::fmax(g.largest + grow, 0.0);
+  const double lo = g.from - grow;
+  const double hi = g.to + grow;
+  if (g.mode == 0) return {glm::dvec3(-r, -r, lo), glm::dvec3(r, r, hi)};
+  if (g.mode == 1) return {glm::dvec3(lo, -r, -r), glm::dvec3(hi, r, r)};
+  const double z = 0.5 * g.depth + grow;
+  return {glm::dvec3(lo, g.bottom - grow, -z), glm::dvec3(hi, g.largest + grow, z)};
+}
+
 // What is below the graph of a function of one variable.
 struct Function {
   static constexpr OpInfo info = {
@@ -104,7 +118,9 @@ struct Function {
       "height) as "
       "the radius there, or what is below it in y, extruded along z (extrude).",
       "function: {f: \"0.5 + 0.2*sin(4*x)\", mode: revolve_z, from: -1, to: 1}",
-      "divided by sqrt(1 + f'^2) over its range: exact beside straight lines"};
+      "constant, linear and quadratic f: exact, by the nearest point of the graph; others are "
+      "divided "
+      "by the largest sqrt(1 + f'^2) over the range"};
   static constexpr Parameter parameters[] = {
       {"f", ParameterKind::text, "length", {kRequired, 0, 0}, 0, 0, "of x (and t)"},
       {"mode",
@@ -136,18 +152,41 @@ struct Function {
     const T r = mode == 0 ? length(p.x, p.y) : length(p.y, p.z);
     return max(r - f, ends);
   }
-  Box bounds(Data, double level) const {
-    const double grow = std::fmax(level, 0.0);
-    const double r = std::fmax(largest + grow, 0.0);
-    const double lo = from - grow;
-    const double hi = to + grow;
-    if (mode == 0) return {glm::dvec3(-r, -r, lo), glm::dvec3(r, r, hi)};
-    if (mode == 1) return {glm::dvec3(lo, -r, -r), glm::dvec3(hi, r, r)};
-    const double z = 0.5 * depth + grow;
-    return {glm::dvec3(lo, bottom - grow, -z), glm::dvec3(hi, largest + grow, z)};
-  }
+  Box bounds(Data, double level) const { return graph_box(*this, level); }
 };
 
-using Formulas = OpList<Formula, FirstOrder, SecondOrder, Function>;
+// The same where f is constant, linear or quadratic: the distance itself, by the nearest points of
+// the graph (an arc of a parabola) and of the straight ends. Where f falls below the axis or the
+// floor the graph is no border, so there it is not used.
+struct FunctionGraph {
+  static constexpr OpInfo info = {
+      "function_graph", OpRole::leaf, OpGuarantee::exact, "", "", "", false};
+  float mode, from, to, bottom, depth, largest;  // as Function
+  float coefficients[3];
+  float ends[2];  // of f
+  ParabolaArc graph;
+
+  template <class T>
+  T distance(const Point<T>& p) const {
+    const T u = mode == 0 ? p.z : p.x;
+    const T r = mode == 2 ? p.y : (mode == 0 ? length(p.x, p.y) : length(p.y, p.z));
+    const float low = mode == 2 ? bottom : 0.0F;
+    T d = min(graph.distance(Point<T>{u, r, T(0.0F)}),
+              min(length(u - from, r - clamp(r, low, ends[0])),
+                  length(u - to, r - clamp(r, low, ends[1]))));
+    const T within = clamp(u, from, to);
+    const T f = within * (within * coefficients[2] + coefficients[1]) + coefficients[0];
+    T outside = max(max(T(from) - u, u - to), r - f);
+    if (mode == 2) {
+      d = min(d, length(u - within, r - bottom));
+      outside = max(outside, T(bottom) - r);
+    }
+    d = select(outside < T(0.0F), -d, d);
+    return mode == 2 ? rectangle_distance(d, abs(p.z) - 0.5F * depth) : d;
+  }
+  Box bounds(Data, double level) const { return graph_box(*this, level); }
+};
+
+using Formulas = OpList<Formula, FirstOrder, SecondOrder, Function, FunctionGraph>;
 
 }  // namespace sdfgrid::ops

@@ -17,6 +17,22 @@ std::string glsl_number(double v) {
   return v < 0 || (v == 0 && std::signbit(v)) ? "(" + s + ")" : s;
 }
 
+std::string TextSink::array(const float* values, int count) {
+  constexpr int kMost = 1024;
+  if (count > kMost) {
+    throw Error(ErrorKind::input, fmt::format("a picture of {} samples is too large for GLSL; make "
+                                              "it smaller than {}",
+                                              count, kMost));
+  }
+  std::string& name = arrays[values];
+  if (!name.empty()) return name;
+  name = "a" + std::to_string(arrays.size());
+  body += fmt::format("  const float {}[{}] = float[{}](", name, count, count);
+  for (int i = 0; i < count; ++i) body += (i > 0 ? ", " : "") + glsl_number(values[i]);
+  body += ");\n";
+  return name;
+}
+
 }  // namespace ops
 
 std::string Field::glsl(const std::string& function) const {

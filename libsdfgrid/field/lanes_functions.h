@@ -90,4 +90,13 @@ inline Lanes pow(Lanes a, Lanes b) {
   return select(a.v > 0.0F, r.v, splat(0.0F));
 }
 
+// Of a picture of samples, see texture.h.
+template <class Texture>
+inline Lanes texel(const Texture& t, Lanes column, Lanes row) {
+  const I16 place = to_int(row.v) * t.width + to_int(column.v);
+  F16 r;
+  for (int i = 0; i < kLanes; ++i) r[i] = t.values[place[i]];
+  return r;
+}
+
 }  // namespace sdfgrid::SDFGRID_ISA

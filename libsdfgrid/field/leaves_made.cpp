@@ -94,48 +94,85 @@ Normals dodecahedron_normals() {
   const double g = kGolden;
   return {{0, 1, g}, {0, -1, g}, {1, g, 0}, {-1, g, 0}, {g, 0, 1}, {g, 0, -1}};
 }
+// The corners of that dodecahedron.
 Normals icosahedron_normals() {
   const double g = kGolden;
   const double h = 1 / kGolden;
   Normals n = octahedron_normals();
-  const Normals rest = {{0, h, g}, {0, -h, g}, {h, g, 0}, {-h, g, 0}, {g, 0, h}, {g, 0, -h}};
+  const Normals rest = {{h, 0, g}, {-h, 0, g}, {0, g, h}, {0, g, -h}, {g, h, 0}, {g, -h, 0}};
   n.insert(n.end(), rest.begin(), rest.end());
   return n;
 }
 
-Normals joined(Normals a, const Normals& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
+struct Solid {
+  const char* name;
+  Normals normals;  // 1 / length is a face's distance, that of the nearest 1
+  bool two_sided = true;
+};
+
+// All faces at the distance 1.
+Solid platonic(const char* name, Normals normals, bool two_sided = true) {
+  for (auto& n : normals) {
+    const double l = std::hypot(n[0], n[1], n[2]);
+    for (double& c : n) c /= l;
+  }
+  return {name, std::move(normals), two_sided};
 }
 
-// The normals of a solid, of length 1; tetrahedra alone have faces without an opposite one.
-Normals solid_normals(const CheckedArguments& arguments, const std::string& solid) {
-  Normals n;
-  if (solid == "tetrahedron") {
-    n = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
-  } else if (solid == "cube") {
-    n = cube_normals();
-  } else if (solid == "octahedron") {
-    n = octahedron_normals();
-  } else if (solid == "dodecahedron") {
-    n = dodecahedron_normals();
-  } else if (solid == "icosahedron") {
-    n = icosahedron_normals();
-  } else if (solid == "truncated_octahedron") {
-    n = joined(octahedron_normals(), cube_normals());
-  } else if (solid == "truncated_icosahedron") {
-    n = joined(icosahedron_normals(), dodecahedron_normals());
-  } else {
-    throw arguments.refused(fmt::format(
-        "`solid` is `{}`; give tetrahedron, cube, octahedron, dodecahedron, icosahedron, "
-        "truncated_octahedron or truncated_icosahedron",
-        solid));
+// The faces of one solid, its corners cut by those of another so that both kinds meet at `corner`.
+Solid truncated(const char* name, const Solid& whole, const Solid& cut,
+                const std::array<double, 3>& corner) {
+  const auto distance = [&](const Solid& solid) {
+    double largest = 0;
+    for (const auto& n : solid.normals) {
+      const double d = n[0] * corner[0] + n[1] * corner[1] + n[2] * corner[2];
+      largest = std::max(largest, solid.two_sided ? std::fabs(d) : d);
+    }
+    return largest;
+  };
+  Solid made = {name, whole.normals, whole.two_sided};
+  const double nearer = distance(whole) / distance(cut);  // at most 1
+  for (auto n : cut.normals) {
+    for (double& c : n) c *= nearer;
+    made.normals.push_back(n);
   }
-  for (auto& v : n) {
-    const double l = std::hypot(v[0], v[1], v[2]);
-    for (double& c : v) c /= l;
+  return made;
+}
+
+// Tetrahedra alone have faces without an opposite one. The truncated solids are the uniform ones:
+// all their edges are equal.
+std::vector<Solid> make_solids() {
+  const Normals corners = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+  Normals opposite = corners;
+  for (auto& n : opposite) n = {-n[0], -n[1], -n[2]};
+  const double g = kGolden;
+  const Solid tetrahedron = platonic("tetrahedron", corners, false);
+  const Solid cube = platonic("cube", cube_normals());
+  const Solid octahedron = platonic("octahedron", octahedron_normals());
+  const Solid dodecahedron = platonic("dodecahedron", dodecahedron_normals());
+  const Solid icosahedron = platonic("icosahedron", icosahedron_normals());
+  return {
+      tetrahedron,
+      cube,
+      octahedron,
+      dodecahedron,
+      icosahedron,
+      truncated("truncated_tetrahedron", tetrahedron, platonic("", opposite, false), {-3, -1, -1}),
+      truncated("truncated_cube", cube, octahedron, {1, 1, std::sqrt(2.0) - 1}),
+      truncated("truncated_octahedron", octahedron, cube, {0, 1, 2}),
+      truncated("truncated_dodecahedron", dodecahedron, icosahedron, {0, 2 + g, 1 / g}),
+      truncated("truncated_icosahedron", icosahedron, dodecahedron, {0, 1, 3 * g})};
+}
+
+// Refused with all names.
+const Solid& solid_named(const CheckedArguments& arguments, const std::string& name) {
+  static const std::vector<Solid> solids = make_solids();
+  std::string names;
+  for (const Solid& solid : solids) {
+    if (name == solid.name) return solid;
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", solid.name);
   }
-  return n;
+  throw arguments.refused(fmt::format("`solid` is `{}`; give one of {}", name, names));
 }
 
 // The largest value of the norm on the unit sphere, which is its slope. The norm is convex, so
@@ -171,10 +208,9 @@ double largest_on_sphere(const Normals& normals, double exponent, bool two_sided
 
 Field GeneralizedDistance::make(const std::vector<Argument>& given) {
   const CheckedArguments arguments({&info, parameters}, given);
-  const std::string solid = arguments.text("solid", "icosahedron");
-  const Normals normals = solid_normals(arguments, solid);
+  const auto& [name, normals, two_sided] =
+      solid_named(arguments, arguments.text("solid", "icosahedron"));
   const double exponent = arguments.number("exponent");
-  const bool two_sided = solid != "tetrahedron";
   const double slope = exponent < 1000 ? largest_on_sphere(normals, exponent, two_sided) : 1;
   std::vector<float> list;
   for (const auto& n : normals) {
@@ -208,20 +244,19 @@ Field Bezier::make(const std::vector<Argument>& given) {
   if (v.size() == 12) return make_field(make_cubic_curve(v, r));
   if (v.size() != 9) throw arguments.refused("`points` needs three or four control points");
   Bezier op{};
-  double curvature = 0;
+  double points[3][3];
   double extent = 0;
-  for (int a = 0; a < 3; ++a) {
-    op.from[a] = static_cast<float>(v[a]);
-    op.b[a] = static_cast<float>(v[3 + a] - v[a]);
-    op.d[a] = static_cast<float>(v[a] - 2 * v[3 + a] + v[6 + a]);
-    curvature += op.d[a] * op.d[a];
-    extent = std::max({extent, std::fabs(v[3 + a] - v[a]), std::fabs(v[6 + a] - v[a])});
-    for (int i = 0; i < 3; ++i) op.control[i][a] = static_cast<float>(v[3 * i + a]);
+  for (int i = 0; i < 3; ++i) {
+    for (int a = 0; a < 3; ++a) {
+      points[i][a] = v[3 * i + a];
+      op.control[i][a] = static_cast<float>(v[3 * i + a]);
+      extent = std::max(extent, std::fabs(v[3 * i + a] - v[a]));
+    }
   }
+  op.arc.set(points);
   op.radius = static_cast<float>(r);
-  op.curve = static_cast<float>(curvature);
   // A parabola that is nearly straight is a capsule: its closed form would divide by little.
-  if (curvature < 1e-8 * extent * extent || extent == 0) {
+  if (op.arc.curve < 1e-8 * extent * extent || extent == 0) {
     return make_field("capsule",
                       {{"from", {v[0], v[1], v[2]}}, {"to", {v[6], v[7], v[8]}}, {"radius", r}});
   }

@@ -6,6 +6,7 @@
 
 #include "sdfgrid/core/lattice.h"
 #include "sdfgrid/field/ops.h"
+#include "sdfgrid/field/parabola.h"
 #include "sdfgrid/field/parameters.h"
 
 namespace sdfgrid {
@@ -266,8 +267,10 @@ struct GeneralizedDistance {
       "gdf",
       OpRole::leaf,
       OpGuarantee::bound,
-      "A Platonic solid (tetrahedron, cube, octahedron, dodecahedron, icosahedron) or a truncated "
-      "one (truncated_octahedron, truncated_icosahedron), the rounder the smaller the exponent.",
+      "A Platonic solid (tetrahedron, cube, octahedron, dodecahedron, icosahedron), or one with "
+      "its "
+      "corners cut so that all edges are equal (truncated_tetrahedron, truncated_cube, ...); the "
+      "rounder the smaller the exponent.",
       "gdf: {solid: dodecahedron, exponent: 9, radius: 0.9}",
       "E. Akleman and J. Chen, Generalized distance functions, 1999; divided by the largest value "
       "on "
@@ -275,8 +278,8 @@ struct GeneralizedDistance {
   static constexpr Parameter parameters[] = {
       {"solid", ParameterKind::text, "", {0, 0, 0}, 0, 0, "which; icosahedron unless said"},
       number("exponent", 9, 1, 1e6, "of the norm; from 1000 on the faces are flat"),
-      size("radius", 1, "from the centre to a face")};
-  static constexpr bool kList = true;  // normals
+      size("radius", 1, "from the centre to the nearest faces")};
+  static constexpr bool kList = true;  // normals, shorter than 1 where the face is farther out
   static Field make(const std::vector<Argument>& arguments);
   float exponent, radius;
   float two_sided;  // 1: faces come in opposite pairs, the list has one of each
@@ -301,7 +304,6 @@ struct GeneralizedDistance {
   Box bounds(Data normals, double level) const;
 };
 
-// The nearest point of the curve c(t) = a + 2 b t + d t^2 is at a root of the cubic of c'.(c - p).
 struct Bezier {
   static constexpr OpInfo info = {
       "bezier",
@@ -320,50 +322,13 @@ struct Bezier {
                                               "three or four control points"},
                                              size("radius", 0.1, "of the tube")};
   static Field make(const std::vector<Argument>& arguments);
-  float from[3], b[3], d[3];
+  ParabolaArc arc;
   float radius;
-  float curve;  // |d|^2, 0 for a segment
   float control[3][3];
 
   template <class T>
-  T at(const Point<T>& q, const T& t) const {
-    const T s = clamp(t, 0.0F, 1.0F);
-    return length(q.x - s * (s * d[0] + 2 * b[0]), q.y - s * (s * d[1] + 2 * b[1]),
-                  q.z - s * (s * d[2] + 2 * b[2]));
-  }
-  template <class T>
   T distance(const Point<T>& p) const {
-    const Point<T> q = minus(p, from);
-    // t^3 + 3 k t^2 + l t + m = 0 with x = t + k: x^3 + u x + v = 0.
-    const float inverse = 1 / curve;
-    const float k = (b[0] * d[0] + b[1] * d[1] + b[2] * d[2]) * inverse;
-    const T l = (2 * (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]) - dot(d, q)) * inverse;
-    const T m = -dot(b, q) * inverse;
-    const T u = l - 3 * k * k;
-    const T v = k * (2 * k * k - l) + m;
-    const T discriminant = square(v) * 0.25F + square(u) * u * (1.0F / 27);
-    // One root: Cardano, the larger cube root first. Three: by angles.
-    const T root = sqrt(positive(discriminant));
-    const T larger = cube_root(abs(v) * 0.5F + root);
-    const T one = (larger - u / (max(larger, T(1e-20F)) * 3.0F)) * -sign(v);
-    const T w = sqrt(positive(-u) * (1.0F / 3));
-    const T ratio = clamp(-v * 0.5F / max(square(w) * w, T(1e-30F)), -1.0F, 1.0F);
-    const T angle = acos(ratio) * (1.0F / 3);
-    const T first = w * 2.0F * cos(angle);
-    const T third = w * 2.0F * cos(angle + 2.0943951F);
-    const T three = min(at(q, polished(first, u, v) - k), at(q, polished(third, u, v) - k));
-    return select(discriminant > T(0.0F), at(q, polished(one, u, v) - k), three) - radius;
-  }
-  // One step of Newton's method mends what the closed form cancels.
-  template <class T>
-  T polished(const T& x, const T& u, const T& v) const {
-    const T slope = square(x) * 3.0F + u;
-    const T step = (square(x) * x + u * x + v) / select(abs(slope) > T(1e-6F), slope, T(1.0F));
-    return x - clamp(step, -0.1F, 0.1F);
-  }
-  template <class T>
-  static T cube_root(const T& a) {
-    return pow(a, 1.0F / 3);
+    return arc.distance(p) - radius;
   }
   Box bounds(Data, double level) const {
     Box box;

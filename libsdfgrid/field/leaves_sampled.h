@@ -20,7 +20,20 @@ struct Points {
                                   "[0, -0.5, -0.3]], radius: 0.4}",
                                   "J. L. Bentley 1975: nearest point by a kd-tree"};
   static constexpr Parameter parameters[] = {
-      {"points", ParameterKind::points, "length", {kRequired, 0, 0}, -kAny, kAny, "any number"},
+      {"file",
+       ParameterKind::text,
+       "",
+       {0, 0, 0},
+       0,
+       0,
+       "the points, beside the scene: rows of x, y and z, as text or .npy"},
+      {"points",
+       ParameterKind::points,
+       "length",
+       {0, 0, 0},
+       -kAny,
+       kAny,
+       "instead of a file; any number"},
       size("radius", 0.1, "around each")};
   static Field make(const std::vector<Argument>& arguments);
 };

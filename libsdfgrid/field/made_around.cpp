@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <queue>
 
 #include "sdfgrid/field/build.h"
@@ -67,6 +68,46 @@ void Linear::prepare(Data) {
   }
   std::transform(back, back + 9, inverse, [](double v) { return static_cast<float>(v); });
   scale = static_cast<float>(1 / stretched);
+}
+
+// The derivatives of the B-spline are means of differences between neighbours, so the largest of
+// those bounds them, patch by patch.
+void TextureDisplacement::prepare(Data samples) {
+  if (samples.count == 0) throw refused(info, "give it a picture by `file`, or `samples`");
+  const int columns = static_cast<int>(width);
+  if (samples.count % columns != 0) {
+    throw refused(info,
+                  fmt::format("{} `samples` make no rows of `width` {}", samples.count, columns));
+  }
+  const int rows = samples.count / columns;
+  const auto [lo, hi] = std::minmax_element(samples.values, samples.values + samples.count);
+  height = static_cast<float>(rows);
+  least = *lo;
+  most = *hi;
+  const auto at = [&](int i, int j) {
+    return static_cast<double>(
+        samples.values[(j + 2 * rows) % rows * columns + (i + 2 * columns) % columns]);
+  };
+  // Per length; around the axis a turn is that of radius `around`.
+  const double right = columns / (around > 0 ? 2 * std::numbers::pi * around : size[0]);
+  const double down = rows / static_cast<double>(size[1]);
+  double steepest = 0;
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i) {
+      double x = 0;
+      double y = 0;
+      for (int a = -1; a <= 1; ++a) {
+        for (int b = -1; b <= 0; ++b) {
+          x = std::max(x, std::fabs(at(i + b + 1, j + a) - at(i + b, j + a)));
+          y = std::max(y, std::fabs(at(i + a, j + b + 1) - at(i + a, j + b)));
+        }
+      }
+      steepest = std::max(steepest, std::hypot(x * right, y * down));
+    }
+  }
+  const double fading = around > 0 ? std::max(std::fabs(least), std::fabs(most)) / around : 0;
+  steepness = static_cast<float>(std::fabs(amplitude) * std::hypot(steepest, fading) * 1.00001);
+  scale = 1 / (1 + steepness);
 }
 
 std::vector<float> FormulaDisplacement::list_of(const std::vector<Argument>& given) {

@@ -85,8 +85,13 @@ void append_unary(Draft& draft, int number, const std::vector<Argument>& argumen
   draft.code.push_back(at);
 }
 
-void check_nodes(const OpEntry& op, std::size_t nodes) {
+void check_nodes(int number, std::size_t nodes) {
+  const OpEntry& op = registry()[number].entry;
   const bool leaf = op.info->role == OpRole::leaf;
+  if (registry()[number].two && nodes > 2) {
+    throw Error(ErrorKind::input,
+                fmt::format("{}: it has {} nodes; give two, or nest it", op.info->name, nodes));
+  }
   if (leaf == (nodes == 0)) return;
   throw Error(ErrorKind::input,
               fmt::format("{}: {}", op.info->name,
@@ -99,8 +104,8 @@ Field make_field(std::string_view name, const std::vector<Argument>& arguments,
                  const std::vector<Field>& of) {
   const OpEntry* entry = find_op(name);
   if (entry == nullptr) throw Error(ErrorKind::input, fmt::format("there is no op `{}`", name));
-  check_nodes(*entry, of.size());
   const int number = op_number(name);
+  check_nodes(number, of.size());
   if (registry()[number].make != nullptr) return registry()[number].make(arguments);
   const auto one = [&] { return of.size() == 1 ? of[0] : make_field("union", {}, of); };
   if (registry()[number].make_around != nullptr) {

@@ -24,6 +24,7 @@ enum class OpGuarantee : std::uint8_t {
 enum class ParameterKind : std::uint8_t {
   number,   // one number
   whole,    // one whole number
+  pair,     // two numbers; a single one stands for two equal ones where `lo` > 0
   vector,   // three numbers; a single one stands for three equal ones where `lo` > 0
   matrix,   // nine numbers, row by row
   numbers,  // a list of any length

@@ -89,7 +89,7 @@ namespace ops {
 Field Points::make(const std::vector<Argument>& given) {
   const CheckedArguments arguments({&info, parameters}, given);
   const std::vector<double> v = arguments.numbers("points");
-  if (v.empty()) return {};
+  if (v.empty()) throw arguments.refused("give it `points`, or a `file` that has some");
   std::vector<Position> points;
   for (std::size_t i = 0; i < v.size(); i += 3) points.emplace_back(v[i], v[i + 1], v[i + 2]);
   return make_field(std::make_shared<PointSet>(std::move(points), arguments.number("radius")));

@@ -27,6 +27,7 @@ RegisteredOp registered() {
   if constexpr (requires { &Op::make; }) r.make = Op::make;
   r.floats = std::is_empty_v<Op> ? 0 : sizeof(Op) / sizeof(float);
   r.list = Lists<Op>;
+  r.two = requires { Op::kTwo; };
   r.convex = requires { Op::kConvex; };
   if constexpr (requires { &Op::make_around; }) r.make_around = Op::make_around;
   if constexpr (requires { &Op::list_of; }) r.list_of = Op::list_of;

@@ -2,10 +2,12 @@
 // on (internal to field/).
 #pragma once
 
+#include <map>
 #include <string>
 
 #include "sdfgrid/field/dual.h"
 #include "sdfgrid/field/number.h"
+#include "sdfgrid/field/texture.h"
 
 namespace sdfgrid::ops {
 
@@ -13,6 +15,10 @@ namespace sdfgrid::ops {
 struct TextSink {
   std::string body;
   int names = 0;
+  std::map<const float*, std::string> arrays;  // by what they hold
+
+  // The name of an array of constants. Throws Error{input} for more than a shader holds.
+  std::string array(const float* values, int count);
 
   // `type` is "float" or "bool"; gives the new name.
   std::string define(const char* type, const std::string& expression) {
@@ -106,6 +112,11 @@ inline Text pow(const Text& a, const Text& b) {
 }
 inline Text unit_ratio(const Text& part, const Text& whole) {
   return text_of(whole.name + " > 0.0 ? " + part.name + " / " + whole.name + " : 0.0");
+}
+inline Text texel(const Texture& t, const Text& column, const Text& row) {
+  const std::string array = TextSink::current()->array(t.values, t.width * t.height);
+  return text_of(array + "[int(" + row.name + ") * " + std::to_string(t.width) + " + int(" +
+                 column.name + ")]");
 }
 
 }  // namespace sdfgrid::ops

@@ -123,7 +123,7 @@ void write_image(const std::string& path, const Image& image) {
   write_bytes_atomically(path, std::as_bytes(std::span(bytes)));
 }
 
-Image read_image(const std::string& path) {
+Image read_image(const std::string& path, bool decode) {
   try {
     const auto input = picture_codec().open(path);
     const PictureSpec spec = input->spec();
@@ -131,7 +131,7 @@ Image read_image(const std::string& path) {
     const auto channels = static_cast<int>(spec.channels.size());
     image.pixels.resize(static_cast<std::size_t>(spec.width) * spec.height * channels);
     input->read(0, channels, PixelType::f32, image.pixels.data());
-    if (spec.srgb) decode_srgb(image);
+    if (decode && spec.srgb) decode_srgb(image);
     return image;
   } catch (const PictureError& reason) {
     throw input_error(path, "", reason.what(), "check the path and that the copy is complete");

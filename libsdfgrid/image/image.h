@@ -39,9 +39,9 @@ struct Image {
 // cannot hold or pixels that do not match the size; Error{failed} if it cannot be written.
 void write_image(const std::string& path, const Image& image);
 
-// Reads any picture that OpenImageIO reads; files encoded in sRGB are decoded to linear light.
-// Throws Error{input}.
-[[nodiscard]] Image read_image(const std::string& path);
+// Reads any picture that OpenImageIO reads; files encoded in sRGB are decoded to linear light, or
+// left as they are stored (heights, say) unless `decode`. Throws Error{input}.
+[[nodiscard]] Image read_image(const std::string& path, bool decode = true);
 
 // The sRGB transfer function (IEC 61966-2-1): linear light in [0, 1] to code value in [0, 1], and
 // back.

@@ -10,6 +10,7 @@
 #include "sdfgrid/field/formula.h"
 #include "sdfgrid/grid/convert.h"
 #include "sdfgrid/mesh/read.h"
+#include "sdfgrid/scene/files.h"
 #include "sdfgrid/trace/grid_sampler.h"
 
 namespace sdfgrid {
@@ -108,13 +109,36 @@ class SceneBuilder {
     if (node.op == "mesh") return make_field(sampler(node, true));
     std::vector<Argument> arguments;
     for (const SceneValue& value : node.values) {
-      if (value.is_text) {
+      if (value.name == "file") {
+        add_file(node.op, beside(value.text), arguments);
+      } else if (value.is_text) {
         arguments.emplace_back(value.name, value.text);
       } else {
         arguments.emplace_back(value.name, numbers(value.numbers));
       }
     }
     return make_field(node.op, arguments, of);
+  }
+
+  // A file that is named is relative to the scene.
+  [[nodiscard]] std::string beside(const std::string& name) const {
+    return (std::filesystem::path(file_).parent_path() / name).string();
+  }
+
+  // What an op's file holds, as the arguments that stand for it.
+  void add_file(const std::string& op, const std::string& path,
+                std::vector<Argument>& arguments) const {
+    if (op == "points") {
+      std::vector<double> numbers;
+      for (const glm::dvec3& p : read_points(path, job_)) {
+        numbers.insert(numbers.end(), {p.x, p.y, p.z});
+      }
+      arguments.emplace_back("points", std::move(numbers));
+    } else {
+      Heights heights = read_heights(path);
+      arguments.emplace_back("width", heights.width);
+      arguments.emplace_back("samples", std::move(heights.samples));
+    }
   }
 
   // One a file, however often it is named.
@@ -126,7 +150,7 @@ class SceneBuilder {
       if (value.name == "dim") dim = static_cast<int>(one(value, 2, 4096));
     }
     if (name.empty()) throw Error(ErrorKind::input, node.op + ": `file` is missing");
-    const auto path = (std::filesystem::path(file_).parent_path() / name).string();
+    const std::string path = beside(name);
     auto& known = samplers_[fmt::format("{} {}", mesh ? dim : 0, path)];
     if (known == nullptr) known = make_sampler(mesh ? convert(path, dim) : read_grid(path), job_);
     return known;

@@ -25,6 +25,7 @@ constexpr int kVersion = 1;  // of the format
 const Names kTopWords = {"sdfgrid", "camera", "materials", "scene"};
 const Names kCameraWords = {"eye", "target", "up", "fov"};
 const Names kMaterialWords = {"diffuse", "specular", "exponent"};
+constexpr std::string_view kDisplace = "displace";
 const Names kPlacing = {"at", "rotate", "scale", "material", "name"};
 
 bool contains(const Names& names, const std::string& word) {
@@ -233,7 +234,7 @@ class SceneReader {
     for_keys(at, [&](const YamlNode& key, const YamlNode& value) {
       if (places(key, value)) {
         place_node(key, value, made);
-      } else if (!find_node_word(key.text, word)) {
+      } else if (key.text != kDisplace && !find_node_word(key.text, word)) {
         Names words = node_words();
         words.insert(words.end(), kPlacing.begin(), kPlacing.end());
         unknown(key, "a node", words);
@@ -247,7 +248,7 @@ class SceneReader {
       }
     });
     if (op != nullptr) {
-      made.op = op->text;
+      made.op = op->text == kDisplace ? displacement(*op, *content) : op->text;
       read_content(*content, made);
       nodes.push_back(std::move(made));
     } else if (warnings_.size() == before) {
@@ -290,8 +291,8 @@ class SceneReader {
     for_keys(at, [&](const YamlNode& key, const YamlNode& value) {
       if (key.text == "of" && !word.leaf) {
         made.of = read_nodes(value);
-      } else if (value.kind == Kind::map && contains(word.texts, key.text)) {
-        read_choice(key, value, word, made);
+      } else if (key.text == "by" && value.kind == Kind::map && made.op.ends_with("_displace")) {
+        read_displacement(value, word, made);
       } else if (contains(word.numbers, key.text) || contains(word.texts, key.text)) {
         add_value(key, value, word.texts, made.values);
       } else {
@@ -303,20 +304,21 @@ class SceneReader {
     });
   }
 
-  // A choice with what belongs to it, `by: {noise: {amplitude: 0.1}}`, is short for the words
-  // beside each other, `by: noise, amplitude: 0.1`.
-  void read_choice(const YamlNode& key, const YamlNode& value, const NodeWord& word,
-                   SceneNode& made) {
-    if (value.items.size() != 2) {
-      refuse(value, fmt::format("`{}` is one word with what belongs to it", key.text), "give one");
+  // `displace: {by: {noise: {amplitude: 0.1}}, of: ...}` is another way to write `noise_displace:
+  // {amplitude: 0.1, of: ...}`; so are formula and texture.
+  std::string displacement(const YamlNode& at, const YamlNode& content) const {
+    const YamlNode* by = content.kind == Kind::map ? find(content, "by") : nullptr;
+    if (by != nullptr && by->kind == Kind::map && by->items.size() == 2) {
+      const std::string word = node(by->items[0]).text + "_displace";
+      NodeWord known;
+      if (find_node_word(word, known)) return word;
     }
-    SceneValue choice;
-    choice.name = key.text;
-    choice.is_text = true;
-    choice.text = node(value.items[0]).text;
-    made.values.push_back(choice);
-    const auto more = read_values(node(value.items[1]), fmt::format("`{}`", choice.text),
-                                  word.numbers, word.texts);
+    refuse(by != nullptr ? *by : at, "`displace` does not say by what",
+           "as in {displace: {by: {noise: {amplitude: 0.1}}, of: {sphere: {}}}}");
+  }
+  void read_displacement(const YamlNode& by, const NodeWord& word, SceneNode& made) {
+    const auto more =
+        read_values(node(by.items[1]), fmt::format("`{}`", made.op), word.numbers, word.texts);
     made.values.insert(made.values.end(), more.begin(), more.end());
   }
 

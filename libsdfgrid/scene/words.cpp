@@ -26,7 +26,7 @@ bool find_node_word(std::string_view word, NodeWord& found) {
 
 const std::vector<std::string>& node_words() {
   static const std::vector<std::string> words = [] {
-    std::vector<std::string> all = {"grid", "mesh"};
+    std::vector<std::string> all = {"grid", "mesh", "displace"};
     for (const OpEntry& op : op_list()) all.emplace_back(op.info->name);
     return all;
   }();

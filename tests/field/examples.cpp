@@ -1,5 +1,6 @@
 #include "field/examples.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
@@ -146,12 +147,52 @@ Field read_example(const std::string& text) {
   return node(v);
 }
 
+namespace {
+
+// Forms of ops that their own examples do not show.
+const char* const kForms[] = {
+    "function: {f: \"0.6\", mode: revolve_z}",
+    "function: {f: \"0.6 - 0.4*x\", mode: revolve_x}",
+    "function: {f: \"0.3 + 0.5*x^2\", mode: revolve_z, from: -0.8}",
+    "function: {f: \"1 - x^2\", mode: revolve_x}",
+    "function: {f: \"0.5 - x*x + 0.2*x\", mode: extrude}",
+    "function: {f: \"0.3*x\", mode: extrude, depth: 0.7}",
+    "function: {f: \"0.5 + x + 0.01*x^2\", mode: revolve_z, from: 0}",
+    "bezier: {points: [[-1, 0, 0], [-0.5, 2, 0.5], [0.5, -2, 0], [1, 0, 0.3]], radius: 0.1}",
+    "bezier: {points: [[0, 0, 0], [0.5, 0.05, 0], [1.2, 0, 0]], radius: 0.2}",
+    "gdf: {solid: tetrahedron, exponent: 3}",
+    "gdf: {solid: cube, exponent: 1}",
+    "gdf: {solid: octahedron, exponent: 200}",
+    "gdf: {solid: icosahedron, exponent: 8}",
+    "gdf: {solid: truncated_tetrahedron, exponent: 1000000}",
+    "gdf: {solid: truncated_cube, exponent: 20}",
+    "gdf: {solid: truncated_octahedron, exponent: 1.5}",
+    "gdf: {solid: truncated_dodecahedron, exponent: 900}",
+    "gdf: {solid: truncated_icosahedron, exponent: 1000000}",
+    "metaballs: {points: [[-0.5, 0, 0], [0.5, 0.1, 0]], falloff: linear}",
+    "metaballs: {points: [[-0.5, 0, 0], [0.5, 0.1, 0]], falloff: squared}",
+    "metaballs: {points: [[-0.5, 0, 0], [0.5, 0.1, 0]], falloff: cubed}",
+    "metaballs: {points: [[-0.5, 0, 0], [0.5, 0.1, 0]], falloff: gaussian}",
+    "metaballs: {points: [[-0.5, 0, 0], [0.5, 0.1, 0]], falloff: quadratic}",
+    "metaballs: {count: 9, seed: 4, radii: 0.7, size: 1}",
+    "blend: {radii: 0.5, power: 1, of: [{box: {size: [2, 2, 0.4]}}, {sphere: {radius: 0.6}}]}",
+    R"(texture_displace: {width: 3, samples: [0, 1, 0.2, 0.7, 0, 1], size: [1, 0.7], around: 0.8,
+       amplitude: -0.2, of: {cylinder: {radius: 0.8, height: 1.5}}})",
+};
+
+Example form(const std::string& text) {
+  const std::string word = text.substr(0, text.find(':'));
+  const bool cubic = word == "bezier" && std::count(text.begin(), text.end(), '[') == 5;
+  return {sdfgrid::find_op(word), read_example(text), text, word == "points" || cubic};
+}
+
+}  // namespace
+
 const std::vector<Example>& examples() {
   static const std::vector<Example> all = [] {
     std::vector<Example> made;
-    for (const sdfgrid::OpEntry& op : sdfgrid::op_list()) {
-      made.push_back({&op, read_example(op.info->example)});
-    }
+    for (const sdfgrid::OpEntry& op : sdfgrid::op_list()) made.push_back(form(op.info->example));
+    for (const char* text : kForms) made.push_back(form(text));
     return made;
   }();
   return all;

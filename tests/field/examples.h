@@ -13,8 +13,11 @@ sdfgrid::Field read_example(const std::string& text);
 struct Example {
   const sdfgrid::OpEntry* op;
   sdfgrid::Field field;
+  std::string text;
+  bool sampled = false;  // a Sampler takes part
 };
 
-// The examples of all ops, and where they are worth looking at.
+// The examples of all ops, then others of those that have several forms; and where they are worth
+// looking at.
 const std::vector<Example>& examples();
 sdfgrid::Box example_box(const sdfgrid::Field& field);

@@ -44,6 +44,7 @@ constexpr double kRounding = 4e-6;
 // Pairs near and far: |f(p) - f(q)| <= |p - q|.
 TEST(EveryOps, IsOneLipschitz) {
   for (const Example& e : examples()) {
+    SCOPED_TRACE(e.text);
     if (e.op->info->guarantee == sdfgrid::OpGuarantee::estimate) continue;
     std::mt19937 random(7);
     const Box box = example_box(e.field);
@@ -71,6 +72,7 @@ TEST(EveryOps, IsOneLipschitz) {
 // A value does not depend on the batch, the lane, or whether it is asked alone.
 TEST(EveryOps, GivesTheSameBitsInEveryLane) {
   for (const Example& e : examples()) {
+    SCOPED_TRACE(e.text);
     std::mt19937 random(8);
     const Points p = random_points(600, example_box(e.field), random);
     Points batch = p;
@@ -92,6 +94,7 @@ TEST(EveryOps, GivesTheSameBitsInEveryLane) {
 
 TEST(EveryOps, IntervalHoldsTheSamples) {
   for (const Example& e : examples()) {
+    SCOPED_TRACE(e.text);
     std::mt19937 random(9);
     const Box whole = example_box(e.field);
     std::uniform_real_distribution<double> exponent(-3, 0);
@@ -127,8 +130,8 @@ TEST(EveryOps, IntervalHoldsTheSamples) {
 
 TEST(EveryOps, GradientIsThatOfFiniteDifferences) {
   for (const Example& e : examples()) {
-    // A Sampler has finite differences only.
-    if (e.op->info->name == std::string("points")) continue;
+    SCOPED_TRACE(e.text);
+    if (e.sampled) continue;  // a Sampler has finite differences only
     std::mt19937 random(10);
     const Points p = random_points(400, example_box(e.field), random);
     const double h = 1e-6;
@@ -156,6 +159,7 @@ TEST(EveryOps, GradientIsThatOfFiniteDifferences) {
 
 TEST(EveryOps, BoundsHoldTheInside) {
   for (const Example& e : examples()) {
+    SCOPED_TRACE(e.text);
     std::mt19937 random(11);
     Points p = random_points(20000, example_box(e.field), random);
     p.evaluate(e.field);

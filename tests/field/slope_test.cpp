@@ -24,6 +24,7 @@ glm::dvec3 random_point(const Box& box, std::mt19937& random) {
 
 TEST(SlopeOfEveryOps, HoldsTheGradientsOfABox) {
   for (const Example& e : examples()) {
+    SCOPED_TRACE(e.text);
     if (e.op->info->guarantee == sdfgrid::OpGuarantee::estimate) continue;
     std::mt19937 random(12);
     const Box whole = example_box(e.field);

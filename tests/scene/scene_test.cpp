@@ -1,6 +1,7 @@
 // What scene files mean, and that saving keeps it.
 #include "sdfgrid/scene/scene.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "app/process.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/grid/convert.h"
+#include "sdfgrid/image/image.h"
 #include "sdfgrid/mesh/read.h"
 #include "sdfgrid/scene/build.h"
 
@@ -209,6 +211,92 @@ scene:
     const glm::vec3 d = p - q;
     ASSERT_LE(std::fabs(field(p) - field(q)), std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z) + 1e-5);
     last = p;
+  }
+}
+
+// A picture in a file is its grey values as they are stored, whatever its channels.
+TEST(Scene, TexturesArePictures) {
+  const test::Folder folder;
+  Image grey{4, 3, {"Y"}, {}};
+  for (int i = 0; i < 12; ++i) grey.pixels.push_back(static_cast<float>(i * 5 % 12) / 12.0F);
+  Image coloured{4, 3, {"R", "G", "B", "A"}, {}};
+  std::string samples;
+  for (const float v : grey.pixels) {
+    for (const float share : {0.5F, 1.0F, 1.5F}) coloured.pixels.push_back(v * share);
+    coloured.pixels.push_back(1);
+    samples += fmt::format("{}{}", samples.empty() ? "" : ", ", v);
+  }
+  write_image(folder.path("grey.exr"), grey);
+  write_image(folder.path("coloured.exr"), coloured);
+  const auto field = [&](const std::string& texture) {
+    const std::string path =
+        folder.write("s.yaml", "sdfgrid: 1\nscene: {texture_displace: {" + texture +
+                                   ", amplitude: 0.2, of: {box: {size: [3, 3, 1]}}}}\n");
+    return build_scene(read_scene(path).scene, path, 0, Job()).field;
+  };
+  const auto expected = values(field("width: 4, samples: [" + samples + "]"));
+  EXPECT_EQ(values(field("file: grey.exr")), expected);
+  const auto same = values(field("file: coloured.exr"));
+  for (std::size_t i = 0; i < same.size(); ++i) ASSERT_NEAR(same[i], expected[i], 1e-6);
+  // 8 bits and sRGB: the code value counts. Dithered, so within one of 255.
+  Image half{2, 2, {"R", "G", "B"}, std::vector<float>(12, linear_from_srgb(0.5F))};
+  write_image(folder.path("half.png"), half);
+  const Field flat = field("file: half.png");
+  EXPECT_NEAR(flat({0, 0, 0.6F}), 0, 1e-3);
+  EXPECT_THROW((void)field("file: nowhere.png"), Error);
+  EXPECT_THROW((void)field("size: 2"), Error);
+}
+
+TEST(Scene, PointsAreReadFromFiles) {
+  const test::Folder folder;
+  (void)folder.write("p.xyz", "# three\n0 0 0\n1.5, 0, 0\n\n  -1e0\t2 3 # last\n");
+  const auto field = [&](const std::string& file) {
+    const std::string path =
+        folder.write("s.yaml", "sdfgrid: 1\nscene: {points: {file: " + file + ", radius: 0.25}}\n");
+    return build_scene(read_scene(path).scene, path, 0, Job()).field;
+  };
+  const Field listed =
+      make_field("points", {{"points", {0, 0, 0, 1.5, 0, 0, -1, 2, 3}}, {"radius", 0.25}});
+  EXPECT_EQ(values(field("p.xyz")), values(listed));
+  (void)folder.write("bad.xyz", "0 0 0\n1 2 x\n");
+  try {
+    (void)field("bad.xyz");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("bad.xyz: line 2"), std::string::npos) << error.what();
+  }
+  (void)folder.write("empty.xyz", "# nothing\n");
+  EXPECT_THROW((void)field("empty.xyz"), Error);
+}
+
+TEST(Scene, DisplaceIsAnotherWayToWriteIt) {
+  const auto read = [](const std::string& node) {
+    const SceneFile file = parse_scene("sdfgrid: 1\nscene: {" + node + "}\n", "s.yaml");
+    EXPECT_TRUE(file.warnings.empty()) << file.warnings.front();
+    return file.scene;
+  };
+  EXPECT_EQ(read("displace: {by: {noise: {amplitude: 0.1, seed: 2}}, of: {sphere: {}}}"),
+            read("noise_displace: {amplitude: 0.1, seed: 2, of: {sphere: {}}}"));
+  EXPECT_EQ(read("displace: {by: {formula: {f: \"0.1*x\"}}, of: {sphere: {}}}"),
+            read("formula_displace: {f: \"0.1*x\", of: {sphere: {}}}"));
+  EXPECT_EQ(read("displace: {by: {texture: {file: a.png}}, of: {sphere: {}}}"),
+            read("texture_displace: {file: a.png, of: {sphere: {}}}"));
+  EXPECT_THROW(read("displace: {by: {nois: {}}, of: {sphere: {}}}"), Error);
+  EXPECT_THROW(read("displace: {of: {sphere: {}}}"), Error);
+  EXPECT_THROW(read("displace: 3"), Error);
+}
+
+TEST(Scene, WhatTakesTwoNodesTakesNoThird) {
+  for (const char* op : {"blend", "morph", "spatial_morph", "partition"}) {
+    const std::string three = "{of: [{sphere: {}}, {box: {}}, {torus: {}}]}";
+    const SceneFile file =
+        parse_scene(fmt::format("sdfgrid: 1\nscene: {{{}: {}}}\n", op, three), "s.yaml");
+    try {
+      (void)build_scene(file.scene, "s.yaml", 0, Job());
+      FAIL() << op;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("give two, or nest it"), std::string::npos);
+    }
   }
 }
 
