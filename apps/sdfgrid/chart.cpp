@@ -4,18 +4,26 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
+#include <optional>
+#include <set>
 
 #include "chart_data.h"
 #include "chart_plot.h"
 #include "command.h"
 #include "inputs.h"
+#include "methods.h"
 #include "options.h"
+#include "scenes.h"
 #include "sdfgrid/core/atomic_file.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/memory.h"
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/grid/convert_field.h"
+#include "sdfgrid/grid/dense.h"
 #include "sdfgrid/grid/methods.h"
+#include "sdfgrid/volume/isosurface.h"
 
 namespace sdfgrid::cli {
 namespace {
@@ -24,23 +32,14 @@ struct Options {
   std::string input;
   Output output;
   SurfaceOptions surface;
+  double time = 0;                   // of a scene
   std::vector<std::string> methods;  // empty: all
+  TransformChoice transform;
   std::vector<int> dims = {32, 64, 128, 256};
   double width = 10;
   int repeat = 2;
   CompareOptions compare{.samples = 20000};
 };
-
-std::vector<ConvertMethod> chosen_methods(const Options& options) {
-  std::vector<ConvertMethod> chosen;
-  for (const ConvertMethod& method : convert_methods()) {
-    const auto& names = options.methods;
-    if (names.empty() || std::find(names.begin(), names.end(), method.name) != names.end()) {
-      chosen.push_back(method);
-    }
-  }
-  return chosen;
-}
 
 // The path with another extension.
 std::string beside(const std::string& path, const char* extension) {
@@ -71,14 +70,74 @@ class Timer {
   std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
 };
 
-ChartPoint measure(const ConvertMethod& method, int dim, const TriangleSoup& soup,
-                   const SurfaceTruth& truth, const Options& options, const Job& job) {
+// What the chart is of.
+struct Subject {
+  TriangleSoup soup;
+  std::string surface;         // "1234 triangles", or what they were made from
+  std::optional<Field> field;  // of a scene
+};
+
+// The surface of a scene as triangles: its zero in a grid twice as fine as any that is charted.
+Subject scene_subject(const Options& options, Context& context) {
+  constexpr int kLeast = 128;
+  constexpr int kMost = 512;
+  Subject subject;
+  subject.field = load_scene(options.input, options.time, context).field;
+  FieldConvertOptions convert;
+  convert.dim =
+      std::clamp(2 * *std::max_element(options.dims.begin(), options.dims.end()), kLeast, kMost);
+  const Grid grid = convert_field(*subject.field, convert, context.job()).grid;
+  subject.soup = isosurface(to_volume(grid, 1), {.iso = 0, .inside_above = false}, context.job());
+  subject.surface = fmt::format("{} triangles of its surface at {} voxels",
+                                subject.soup.triangles.size(), convert.dim);
+  return subject;
+}
+
+Subject load_subject(const Options& options, Context& context) {
+  if (names_scene(options.input)) return scene_subject(options, context);
+  Subject subject;
+  subject.soup = load_surface(options.input, options.surface, context).soup;
+  subject.surface = fmt::format("{} triangles", subject.soup.triangles.size());
+  return subject;
+}
+
+// One way to a grid of so many voxels along the longest side.
+struct Candidate {
+  std::string name;
+  bool peer = false;
+  std::function<Grid(int dim, const Job& job)> convert;
+};
+
+// All methods for meshes, and a scene's own values.
+std::vector<Candidate> candidates(const Options& options, const Subject& subject) {
+  std::vector<Candidate> all;
+  const Band band{options.width, options.width};
+  if (subject.field) {
+    all.push_back({"field", false, [&subject, band](int dim, const Job& job) {
+                     FieldConvertOptions convert;
+                     convert.dim = dim;
+                     convert.band = band;
+                     return convert_field(*subject.field, convert, job).grid;
+                   }});
+  }
   ConvertOptions convert;
-  convert.dim = dim;
-  convert.band = {options.width, options.width};
+  convert.band = band;
+  convert.transform = options.transform.options();
+  for (const ConvertMethod& method : select_methods(options.methods, convert, true)) {
+    all.push_back({method.name, method.peer, [&subject, method, convert](int dim, const Job& job) {
+                     ConvertOptions with = convert;
+                     with.dim = dim;
+                     return method.convert(subject.soup, with, job).grid;
+                   }});
+  }
+  return all;
+}
+
+ChartPoint measure(const Candidate& candidate, int dim, const SurfaceTruth& truth,
+                   const Options& options, const Job& job) {
   ChartPoint point;
-  point.method = method.name;
-  point.peer = method.peer;
+  point.method = candidate.name;
+  point.peer = candidate.peer;
   point.dim = dim;
   point.seconds = 1e300;
   Grid grid;
@@ -86,7 +145,7 @@ ChartPoint measure(const ConvertMethod& method, int dim, const TriangleSoup& sou
     grid = Grid();
     const PeakMemory peak;
     const Timer timer;
-    grid = method.convert(soup, convert, job).grid;
+    grid = candidate.convert(dim, job);
     point.seconds = std::min(point.seconds, timer.seconds());
     point.peak_memory = std::max(point.peak_memory, peak.bytes());
   }
@@ -135,21 +194,30 @@ void print_point(const ChartPoint& p, Context& context) {
                 1e-6 * p.peak_memory);
 }
 
-std::vector<ChartPoint> measure_all(const Options& options, const TriangleSoup& soup,
+std::vector<ChartPoint> measure_all(const Options& options, const Subject& subject,
                                     Context& context) {
-  const SurfaceTruth truth(soup, context.job());
-  const std::vector<ConvertMethod> methods = chosen_methods(options);
+  const SurfaceTruth truth(subject.soup, context.job());
+  const std::vector<Candidate> all = candidates(options, subject);
   context.print("{:<12}{:>6}{:>10}{:>11}{:>11}{:>11}{:>11}{:>10}{:>10}", "method", "dim", "seconds",
                 "max/voxel", "p99", "rms", "at voxels", "MB", "peak MB");
   std::vector<ChartPoint> points;
-  const double count = static_cast<double>(methods.size() * options.dims.size());
+  std::set<std::string> refused;
+  double done = 0;
   for (const int dim : options.dims) {
-    for (const ConvertMethod& method : methods) {
-      context.job().report("chart", static_cast<double>(points.size()) / count);
-      points.push_back(measure(method, dim, soup, truth, options, context.job()));
-      print_point(points.back(), context);
+    for (const Candidate& candidate : all) {
+      context.job().report("chart", done++ / static_cast<double>(all.size() * options.dims.size()));
+      if (refused.contains(candidate.name)) continue;
+      try {
+        points.push_back(measure(candidate, dim, truth, options, context.job()));
+        print_point(points.back(), context);
+      } catch (const Error& error) {
+        if (error.kind() != ErrorKind::usage) throw;
+        context.warn(candidate.name + " is left out: " + error.what());
+        refused.insert(candidate.name);
+      }
     }
   }
+  if (points.empty()) throw Error(ErrorKind::usage, "no method could do what was asked");
   mark_front(points);
   return points;
 }
@@ -180,19 +248,18 @@ Exit run(const Options& options, Context& context) {
   check_output(options.output);
   for (const Output& output : outputs(options)) check_output(output);
   Stopwatch watch;
-  const Surface surface = load_surface(options.input, options.surface, context);
+  const Subject subject = load_subject(options, context);
   watch.lap("read");
-  const std::vector<ChartPoint> points = measure_all(options, surface.soup, context);
+  const std::vector<ChartPoint> points = measure_all(options, subject, context);
   watch.lap("measure");
   const std::string name = std::filesystem::path(options.input).filename().string();
-  const ChartText text{fmt::format("{}, {} triangles, half-width {:g} voxels", name,
-                                   surface.soup.triangles.size(), options.width),
-                       machine() + "\n" + command_line(),
-                       thread_count() == 1 ? "seconds of processor time" : "seconds",
-                       longest_side(surface.soup)};
+  const ChartText text{
+      fmt::format("{}, {}, half-width {:g} voxels", name, subject.surface, options.width),
+      machine() + "\n" + command_line(),
+      thread_count() == 1 ? "seconds of processor time" : "seconds", longest_side(subject.soup)};
   Json& result = context.result();
   result["input"] = name;
-  result["triangles"] = surface.soup.triangles.size();
+  result["triangles"] = subject.soup.triangles.size();
   result["machine"] = machine();
   result["command"] = command_line();
   result.update(json_of(points));
@@ -206,27 +273,15 @@ Exit run(const Options& options, Context& context) {
   return Exit::done;
 }
 
-void add_methods(CLI::App& app, std::vector<std::string>& chosen) {
-  std::vector<std::string> names;
-  for (const ConvertMethod& method : convert_methods()) names.push_back(method.name);
-  app.add_option("--methods", chosen, "which to measure, all if not given: " + one_of(names))
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->type_name("WORDS")
-      ->each([names](const std::string& word) {
-        if (std::find(names.begin(), names.end(), word) == names.end()) {
-          refuse_choice("--methods", word, names);
-        }
-      });
-}
-
 }  // namespace
 
 Run add_chart(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  app.add_option("IN", options->input, "mesh, or volume (see --iso), to measure on")->required();
+  app.add_option("IN", options->input, "mesh, scene, or volume (see --iso), to measure on")
+      ->required();
   add_output(app, options->output, {".svg", ".png"});
-  add_methods(app, options->methods);
+  add_methods(app, options->methods, "which to measure", true);
+  add_transform_choice(app, options->transform);
   app.add_option("--dims", options->dims, "voxels along the longest side, as in 64,128,256")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -242,6 +297,7 @@ Run add_chart(CLI::App& app) {
       ->check(CLI::Range(std::size_t{100}, std::size_t{1} << 30U))
       ->capture_default_str();
   add_surface_options(app, options->surface);
+  add_scene_options(app, options->time);
   return [options](Context& context) { return run(*options, context); };
 }
 

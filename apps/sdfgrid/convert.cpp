@@ -9,6 +9,7 @@
 
 #include "command.h"
 #include "inputs.h"
+#include "methods.h"
 #include "options.h"
 #include "scenes.h"
 #include "sdfgrid/core/error.h"
@@ -24,8 +25,9 @@ struct Options {
   std::string input;
   Output output;
   ConvertOptions convert;
-  std::optional<TransformMethod> method;  // nothing: exact
-  double bucket = TransformOptions().bucket_width;
+  std::string method = "exact";      // of convert_methods()
+  std::vector<std::string> methods;  // for the tolerance; empty: all
+  TransformChoice transform;
   double width = 3.0;
   double exwidth = 0;  // 0: as --width
   double inwidth = 0;
@@ -34,23 +36,6 @@ struct Options {
   ToleranceOptions tolerance;
   double time = 0;
 };
-
-// The methods that meshes are converted by: exact, and transforms from exact seeds.
-std::vector<std::pair<std::string, std::optional<TransformMethod>>> methods() {
-  std::vector<std::pair<std::string, std::optional<TransformMethod>>> all = {
-      {"exact", std::nullopt}};
-  for (const TransformMethodInfo& info : transform_methods()) {
-    // A mask of one's own has no option here.
-    if (info.meshes && info.method != TransformMethod::chamfer_mask) {
-      all.emplace_back(info.name, info.method);
-    }
-  }
-  return all;
-}
-
-std::string method_name(const Options& options) {
-  return options.method ? std::string(transform_name(*options.method)) : "exact";
-}
 
 const std::vector<std::pair<std::string, SignMethod>> kSigns = {{"auto", SignMethod::automatic},
                                                                 {"normal", SignMethod::normal},
@@ -115,9 +100,7 @@ ConvertOptions convert_options(const Options& options, const Surface& surface) {
   } else if (convert.voxel == 0) {
     convert.voxel = surface.spacing;
   }
-  if (options.method) {
-    convert.transform = TransformOptions{.method = *options.method, .bucket_width = options.bucket};
-  }
+  convert.transform = options.transform.options();
   return convert;
 }
 
@@ -161,13 +144,14 @@ Exit run_surface(const Options& options, Context& context) {
   watch.lap("read");
   const ConvertOptions convert = convert_options(options, surface);
   check_storable(choose_lattice(surface.soup, convert).voxel);
-  const Conversion conversion = convert_mesh(surface.soup, convert, context.job());
+  const ConvertMethod method = select_methods({options.method}, convert, false).front();
+  const Conversion conversion = method.convert(surface.soup, convert, context.job());
   for (const std::string& warning : conversion.warnings) context.warn(warning);
   watch.lap("convert");
-  Made made{conversion.grid, method_name(options), std::string(sign_name(conversion.sign)),
+  Made made{conversion.grid, options.method, std::string(sign_name(conversion.sign)),
             conversion.sign_reason, std::nullopt};
   // The error of a transform depends on the mesh: docs/methods.md, and `compare`.
-  if (!options.method) made.max_error = kConvertError * conversion.grid.lattice().voxel;
+  if (options.method == "exact") made.max_error = kConvertError * conversion.grid.lattice().voxel;
   save(made, options, context);
   watch.lap("write");
   describe(made, options, context);
@@ -182,7 +166,9 @@ Exit run_within(const Options& options, Context& context) {
   watch.lap("read");
   ConvertOptions convert = options.convert;
   convert.band = band_of(options);
-  const Choice choice = choose_within(surface.soup, convert, {}, options.tolerance, context);
+  convert.transform = options.transform.options();
+  const Choice choice =
+      choose_within(surface.soup, convert, options.methods, options.tolerance, context);
   const Conversion& conversion = choice.conversion;
   for (const std::string& warning : conversion.warnings) context.warn(warning);
   watch.lap("choose");
@@ -252,12 +238,10 @@ Run add_convert(CLI::App& app) {
          "voxels along the longest side; 256 for a mesh or scene, a volume's own if not given")
       ->check(CLI::Range(1, 100000))
       ->excludes(voxel);
-  add_tolerance(app, options->tolerance)->excludes(voxel)->excludes("--dim");
-  add_choice(app, "--method", options->method, methods(), "how distances are made");
-  app.add_option("--bucket", options->bucket,
-                 "width of the buckets of the marching methods, voxels; 0: a binary heap")
-      ->check(CLI::Range(0.0, 16.0) & finite_number())
-      ->capture_default_str();
+  auto* tolerance = add_tolerance(app, options->tolerance)->excludes(voxel)->excludes("--dim");
+  add_method(app, options->method)->excludes(tolerance);
+  add_methods(app, options->methods, "--tolerance chooses from", false)->needs(tolerance);
+  add_transform_choice(app, options->transform);
   app.add_option("--width", options->width, "half-width of the band, voxels")
       ->check(CLI::Range(1.0, 1000.0) & finite_number())
       ->capture_default_str();

@@ -7,6 +7,7 @@
 
 #include "command.h"
 #include "inputs.h"
+#include "methods.h"
 #include "options.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/grid/dense.h"
@@ -23,6 +24,19 @@ struct Options {
   std::optional<double> label;
   std::optional<double> iso;
   TransformOptions transform;
+  TransformChoice choice;
+
+  // All of the above.
+  [[nodiscard]] TransformOptions transform_options() const {
+    TransformOptions all = choice.options();
+    if (transform.method == TransformMethod::chamfer_mask && all.steps.empty()) {
+      throw Error(ErrorKind::usage, "the method chamfer needs a mask: give --mask FILE");
+    }
+    all.method = transform.method;
+    all.side = transform.side;
+    all.window = transform.window;
+    return all;
+  }
 };
 
 // transform.h counts samples with the last axis fastest, volumes with the first: the same samples,
@@ -38,7 +52,8 @@ std::vector<float> levels(const Volume& volume, double iso, const Job& job) {
 }
 
 // Samples of the volume are replaced by their distances.
-void transform_in_place(const Options& options, Volume& volume, const Job& job) {
+void transform_in_place(const Options& options, const TransformOptions& transform, Volume& volume,
+                        const Job& job) {
   std::vector<std::uint8_t> mask;
   std::vector<float> values;
   if (options.iso && options.transform.method != TransformMethod::meijster) {
@@ -57,7 +72,7 @@ void transform_in_place(const Options& options, Volume& volume, const Job& job) 
   seeds.mask = mask;
   seeds.values = values;
   std::vector<float> distances(volume.size());
-  distance_transform(seeds, options.transform, distances, job);
+  distance_transform(seeds, transform, distances, job);
   volume.samples = std::move(distances);
 }
 
@@ -86,11 +101,12 @@ void write(const Options& options, const Volume& volume, const Job& job) {
 
 Exit run(const Options& options, Context& context) {
   check_output(options.output);
+  const TransformOptions transform = options.transform_options();
   Stopwatch watch;
   VolumeFile file = load_volume(options.input, options.volume, context);
   check_shape(options, file.volume);
   watch.lap("read");
-  transform_in_place(options, file.volume, context.job());
+  transform_in_place(options, transform, file.volume, context.job());
   watch.lap("transform");
   warn_of_infinity(options.input, file.volume, context);
   context.job().checkpoint();
@@ -139,10 +155,7 @@ Run add_transform(CLI::App& app) {
   add_output(app, options->output, extensions);
   std::vector<std::pair<std::string, TransformMethod>> methods;
   for (const TransformMethodInfo& info : transform_methods()) {
-    // A mask of one's own has no option here.
-    if (info.volumes && info.method != TransformMethod::chamfer_mask) {
-      methods.emplace_back(info.name, info.method);
-    }
+    if (info.volumes) methods.emplace_back(info.name, info.method);
   }
   add_choice(app, "--method", options->transform.method, methods, "how distances are made");
   auto* label = app.add_option("--label", options->label,
@@ -157,6 +170,7 @@ Run add_transform(CLI::App& app) {
                  "stop at this many voxels (of the smallest spacing); 0 for no limit")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
+  add_transform_choice(app, options->choice);
   add_volume_options(app, options->volume);
   return [options](Context& context) { return run(*options, context); };
 }

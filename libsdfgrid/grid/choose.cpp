@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/grid/methods.h"
@@ -18,19 +19,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-std::vector<ConvertMethod> methods_of(const ChooseOptions& options) {
-  std::vector<ConvertMethod> chosen;
-  for (const ConvertMethod& method : convert_methods()) {
-    const auto& names = options.methods;
-    const bool named = std::find(names.begin(), names.end(), method.name) != names.end();
-    if (names.empty() ? !method.peer : named) chosen.push_back(method);
-  }
-  if (chosen.empty() || (!options.methods.empty() && chosen.size() != options.methods.size())) {
-    throw Error(ErrorKind::usage, "an unknown method is named for the choice");
-  }
-  return chosen;
-}
-
 // The search's state: what was tried, and what is best so far.
 class Search {
  public:
@@ -38,20 +26,25 @@ class Search {
          const Job& job)
       : soup_(soup), convert_(convert), options_(options), job_(job), truth_(soup, job) {}
 
-  // Converts and measures; keeps the grid if it is the most accurate so far or `prefer` says so.
-  template <class Prefer>
-  void attempt(const ConvertMethod& method, int dim, const Prefer& prefer) {
-    ConvertOptions convert = convert_;
-    convert.voxel = 0;
-    convert.dim = dim;
-    const auto start = Clock::now();
-    Conversion made = method.convert(soup_, convert, job_);
-    Trial trial{method.name, dim, made.grid.lattice().voxel, seconds_since(start), 0};
-    trial.error = survey(made.grid, truth_, options_.compare, job_).between.max_error;
+  // Converts and measures; keeps the grid if it is the most accurate so far.
+  void attempt(const ConvertMethod& method, int dim) {
+    auto [made, trial] = converted(method, dim);
+    measure(made, trial);
     choice_.trials.push_back(trial);
-    if (choice_.trials.size() == 1 || prefer(trial, choice_.chosen)) {
-      choice_.conversion = std::move(made);
-      choice_.chosen = trial;
+    if (choice_.trials.size() == 1 || trial.error < choice_.chosen.error) take(made, trial);
+  }
+
+  // Converts, and measures if that was much quicker; keeps the grid if it is within then.
+  void challenge(const ConvertMethod& method, int dim) {
+    constexpr double kWorthIt = 0.8;
+    try {
+      auto [made, trial] = converted(method, dim);
+      const bool quicker = trial.seconds <= kWorthIt * choice_.chosen.seconds;
+      if (quicker) measure(made, trial);
+      choice_.trials.push_back(trial);
+      if (quicker && within(trial)) take(made, trial);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::usage) throw;  // a band that the method cannot do
     }
   }
 
@@ -81,6 +74,29 @@ class Search {
   Choice& choice() { return choice_; }
 
  private:
+  struct Converted {
+    Conversion conversion;
+    Trial trial;
+  };
+
+  [[nodiscard]] Converted converted(const ConvertMethod& method, int dim) const {
+    ConvertOptions convert = convert_;
+    convert.voxel = 0;
+    convert.dim = dim;
+    const auto start = Clock::now();
+    Conversion made = method.convert(soup_, convert, job_);
+    const Trial trial{method.name, dim, made.grid.lattice().voxel, seconds_since(start),
+                      std::numeric_limits<double>::quiet_NaN()};
+    return {std::move(made), trial};
+  }
+  void measure(const Conversion& made, Trial& trial) const {
+    trial.error = survey(made.grid, truth_, options_.compare, job_).between.max_error;
+  }
+  void take(Conversion& made, const Trial& trial) {
+    choice_.conversion = std::move(made);
+    choice_.chosen = trial;
+  }
+
   const TriangleSoup& soup_;
   const ConvertOptions& convert_;
   const ChooseOptions& options_;
@@ -108,14 +124,13 @@ Choice choose_conversion(const TriangleSoup& soup, const ConvertOptions& convert
   if (!(options.tolerance > 0)) {
     throw Error(ErrorKind::usage, "the tolerance must be more than 0");
   }
-  const std::vector<ConvertMethod> methods = methods_of(options);
+  const std::vector<ConvertMethod> methods = select_methods(options.methods, convert, false);
   Search search(soup, convert, options, job);
   Choice& choice = search.choice();
   for (const int dim : choice_dims()) {
     choice.why_not = search.obstacle(dim);
     if (!choice.why_not.empty()) break;
-    search.attempt(methods.front(), dim,
-                   [](const Trial& now, const Trial& best) { return now.error < best.error; });
+    search.attempt(methods.front(), dim);
     choice.within = search.within(choice.trials.back());
     if (choice.within) break;
   }
@@ -126,12 +141,9 @@ Choice choose_conversion(const TriangleSoup& soup, const ConvertOptions& convert
     if (choice.why_not.empty()) choice.why_not = "no finer resolution is tried";
     return choice;
   }
-  constexpr double kWorthIt = 0.8;
   for (std::size_t m = 1; m < methods.size(); ++m) {
     if (!search.obstacle(choice.chosen.dim).empty()) break;
-    search.attempt(methods[m], choice.chosen.dim, [&](const Trial& now, const Trial& best) {
-      return search.within(now) && now.seconds < kWorthIt * best.seconds;
-    });
+    search.challenge(methods[m], choice.chosen.dim);
   }
   return choice;
 }

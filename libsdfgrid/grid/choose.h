@@ -14,7 +14,7 @@ namespace sdfgrid {
 
 struct ChooseOptions {
   double tolerance = 0;              // world units, > 0
-  std::vector<std::string> methods;  // of convert_methods(); empty: all that are not peers
+  std::vector<std::string> methods;  // of convert_methods(); empty: all but peers
   double budget_seconds = 0;         // for the whole search; 0: none
   double budget_bytes = 0;           // for a conversion, as estimate_memory() has it; 0: none
   CompareOptions compare{.samples = 50000};
@@ -26,7 +26,9 @@ struct Trial {
   int dim = 0;
   double voxel = 0;
   double seconds = 0;
-  double error = 0;  // the largest of the trilinear field at the samples, world units
+  // The largest of the trilinear field at the samples, world units; not a number if it was not
+  // measured, as the conversion took too long to be chosen whatever its error.
+  double error = 0;
 };
 
 struct Choice {
@@ -45,11 +47,12 @@ struct Choice {
 // is measured at random places in the band's cells, interpolation included, against the independent
 // reference; the first resolution at which it stays within the tolerance is taken, since the mesh's
 // exact distances are what every other method approximates. There the other methods are tried, and
-// one replaces it if it stays within too and takes at most four fifths of its time.
+// one replaces it if it takes at most four fifths of its time and stays within too.
 //
 // If a budget ends the search, the most accurate grid found so far is returned and says why.
-// `convert` gives band and sign; its voxel and dim do not count. Throws as convert_mesh() does,
-// and Error{usage} for a tolerance that is not positive or an unknown method.
+// `convert` gives band, sign and what methods need of its transform; its voxel and dim do not
+// count. A method that cannot do the band is left out unless it is the first. Throws as
+// convert_mesh() does, and Error{usage} for a tolerance that is not positive or an unknown method.
 [[nodiscard]] Choice choose_conversion(const TriangleSoup& soup, const ConvertOptions& convert,
                                        const ChooseOptions& options, const Job& job);
 

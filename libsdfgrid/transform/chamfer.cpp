@@ -1,10 +1,14 @@
 #include "sdfgrid/transform/chamfer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <sstream>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/transform/chamfer_mask.h"
@@ -23,20 +27,27 @@ const std::vector<ChamferStep> kSteps5 = {{{1, 0, 0}, 0.9759}, {{1, 1, 0}, 1.401
                                           {{1, 1, 1}, 1.7244}, {{2, 1, 0}, 2.1822},
                                           {{2, 1, 1}, 2.3904}, {{2, 2, 1}, 3.0018}};
 
+constexpr const char* kStepRule =
+    "a chamfer step needs an offset with 3 >= x >= y >= z >= 0 and no common factor, and a "
+    "positive "
+    "length";
+constexpr const char* kUnitRule = "a chamfer mask needs a step of (1, 0, 0)";
+
+bool is_step(const ChamferStep& step) {
+  const glm::ivec3& o = step.offset;
+  const bool ordered = o.x >= o.y && o.y >= o.z && o.z >= 0 && o.x >= 1 && o.x <= 3;
+  return ordered && std::gcd(o.x, std::gcd(o.y, o.z)) == 1 && step.length > 0 &&
+         std::isfinite(step.length);
+}
+
+bool has_unit(std::span<const ChamferStep> steps) {
+  return std::any_of(steps.begin(), steps.end(),
+                     [](const ChamferStep& step) { return step.offset == glm::ivec3(1, 0, 0); });
+}
+
 void check_steps(std::span<const ChamferStep> steps) {
-  bool unit = false;
-  for (const ChamferStep& step : steps) {
-    const glm::ivec3& o = step.offset;
-    const bool ordered = o.x >= o.y && o.y >= o.z && o.z >= 0 && o.x >= 1 && o.x <= 3;
-    if (!ordered || std::gcd(o.x, std::gcd(o.y, o.z)) != 1 || !(step.length > 0) ||
-        !std::isfinite(step.length)) {
-      throw Error(ErrorKind::usage,
-                  "a chamfer step needs an offset with 3 >= x >= y >= z >= 0 and no common factor, "
-                  "and a positive length");
-    }
-    unit = unit || o == glm::ivec3(1, 0, 0);
-  }
-  if (!unit) throw Error(ErrorKind::usage, "a chamfer mask needs a step of (1, 0, 0)");
+  if (!std::all_of(steps.begin(), steps.end(), is_step)) throw Error(ErrorKind::usage, kStepRule);
+  if (!has_unit(steps)) throw Error(ErrorKind::usage, kUnitRule);
 }
 
 }  // namespace
@@ -53,6 +64,29 @@ std::vector<ChamferStep> chamfer_steps(const TransformOptions& options) {
       check_steps(options.steps);
       return options.steps;
   }
+}
+
+std::vector<ChamferStep> read_chamfer_steps(const std::string& path) {
+  std::ifstream in(path);
+  if (!in) throw input_error(path, "", "it cannot be read", "check the path");
+  std::vector<ChamferStep> steps;
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    line.resize(std::min(line.find('#'), line.size()));
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    std::istringstream words(line);
+    ChamferStep step{};
+    std::string rest;
+    words >> step.offset.x >> step.offset.y >> step.offset.z >> step.length;
+    if (!words || words >> rest || !is_step(step)) {
+      throw input_error(path, fmt::format("line {}", number), kStepRule,
+                        "write `x y z length`, as in 1 1 0 1.41");
+    }
+    steps.push_back(step);
+  }
+  if (!has_unit(steps)) throw input_error(path, "", kUnitRule, "add a line 1 0 0 1");
+  return steps;
 }
 
 std::vector<MaskStep> expand_steps(std::span<const ChamferStep> steps, const glm::dvec3& spacing) {

@@ -1,28 +1,29 @@
 #include "sdfgrid/transform/mesh_marching.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <vector>
 
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/transform/band_brick.h"
 #include "sdfgrid/transform/brick_table.h"
 #include "sdfgrid/transform/chamfer.h"
 #include "sdfgrid/transform/chamfer_mask.h"
 #include "sdfgrid/transform/marching.h"
 #include "sdfgrid/transform/mesh_seeds.h"
-#include "sdfgrid/voxelize/brick_sign.h"
 #include "sdfgrid/voxelize/node_bins.h"
 
 namespace sdfgrid {
 namespace {
 
 constexpr std::size_t kBricksPerTask = 64;
-// Voxels: the neighbour in the next brick may be on the other side, and tiles take their sign from
-// there.
-constexpr float kBesideSurface = 1.001F;
-
 bool carries_sources(TransformMethod method) { return method == TransformMethod::closest_point; }
+
+bool is_chamfer(TransformMethod method) {
+  return method != TransformMethod::fmm && method != TransformMethod::fmm2 &&
+         method != TransformMethod::closest_point;
+}
 
 MarchOptions march_options(const Band& band, const TransformOptions& options) {
   MarchOptions march;
@@ -35,15 +36,14 @@ MarchOptions march_options(const Band& band, const TransformOptions& options) {
   return march;
 }
 
-// Neighbours in the brick follow each other's side wherever neither is known: bits for spread().
-BrickLinks all_links() {
-  BrickLinks links{};
-  for (int x = 0; x < 8; ++x) {
-    links.link_x[x] = x == 7 ? 0 : ~0ULL;
-    links.link_y[x] = 0x00ffffffffffffffULL;
-    links.link_z[x] = 0x7f7f7f7f7f7f7f7fULL;
+// So deep that no step leads from one side's seeds over the other's.
+double seed_width(const TransformOptions& options) {
+  double width = MeshSeeds::kWidth;
+  if (!is_chamfer(options.method)) return width;
+  for (const ChamferStep& step : chamfer_steps(options)) {
+    width = std::max(width, glm::length(glm::dvec3(step.offset)));
   }
-  return links;
+  return width;
 }
 
 class MeshMarch final : public MeshTransform {
@@ -52,17 +52,17 @@ class MeshMarch final : public MeshTransform {
             const TransformOptions& options, const Job& job)
       : lattice_(lattice), band_(band), march_(march_options(band, options)), table_({}) {
     {
-      const MeshSeeds seeds = find_seeds(mesh, lattice, job);
+      const MeshSeeds seeds = find_seeds(mesh, lattice, job, seed_width(options));
       contradicted_ = seeds.contradicted;
       seed(seeds, options);
     }
     job.report("transform", 0.0);
     if (carries_sources(options.method)) {
       march_.run_sources(triangle_distance(mesh), job);
-    } else if (options.method == TransformMethod::fmm || options.method == TransformMethod::fmm2) {
-      march_.run(job);
-    } else {
+    } else if (is_chamfer(options.method)) {
       march_.run_steps(expand_steps(chamfer_steps(options), glm::dvec3(1.0)), job);
+    } else {
+      march_.run(job);
     }
     BrickField& field = march_.field();
     std::vector<glm::ivec3> coordinates;
@@ -78,7 +78,9 @@ class MeshMarch final : public MeshTransform {
       alignas(64) float values[512];
       std::uint64_t active[8];
       for (std::size_t i = begin; i < end; ++i) {
-        if (!fill_brick(i, values, active)) continue;
+        const std::uint32_t first = march_.field().find(table_.coordinates()[i]) * 512;
+        for (std::uint32_t s = 0; s < 512; ++s) values[s] = march_.value(first + s);
+        if (!finish_band_brick(band_, lattice_.voxel, values, active)) continue;
         take(i, {table_.coordinates()[i] * kBrickEdge, values, active});
       }
     });
@@ -114,47 +116,6 @@ class MeshMarch final : public MeshTransform {
                            static_cast<double>(at.z)};
       return static_cast<float>(std::sqrt(kernel.squared_distance(records_[triangle], p)));
     };
-  }
-
-  // False if no sample is in the band and none can be beside the surface.
-  bool fill_brick(std::size_t i, float values[512], std::uint64_t active[8]) const {
-    const std::uint32_t first = march_.field().find(table_.coordinates()[i]) * 512;
-    BrickBits known{};
-    BrickBits negative{};
-    for (std::uint32_t s = 0; s < 512; ++s) {
-      const float v = march_.value(first + s);
-      values[s] = v;
-      const std::uint64_t bit = 1ULL << (s & 63);
-      if (std::isnan(v)) continue;
-      known[s >> 6] |= bit;
-      if (std::signbit(v)) negative[s >> 6] |= bit;
-    }
-    if (std::all_of(known.begin(), known.end(), [](std::uint64_t word) { return word == 0; })) {
-      return false;
-    }
-    spread_side(known, negative);
-    std::fill_n(active, 8, 0);
-    bool needed = false;
-    for (std::uint32_t s = 0; s < 512; ++s) {
-      const std::uint64_t bit = 1ULL << (s & 63);
-      const bool inside = (negative[s >> 6] & bit) != 0;
-      const double width = inside ? band_.inwidth : band_.exwidth;
-      const bool in_band =
-          (known[s >> 6] & bit) != 0 && std::abs(static_cast<double>(values[s])) < width;
-      if (in_band) active[s >> 6] |= bit;
-      needed = needed || in_band || std::abs(values[s]) < kBesideSurface;
-      const double v = in_band ? static_cast<double>(values[s]) : inside ? -width : width;
-      values[s] = static_cast<float>(v * lattice_.voxel);
-    }
-    return needed;
-  }
-
-  // What no front reached is on the side of what is beside it.
-  static void spread_side(const BrickBits& known, BrickBits& negative) {
-    static const BrickLinks links = all_links();
-    BrickBits allowed;
-    for (std::size_t x = 0; x < 8; ++x) allowed[x] = ~known[x] | negative[x];
-    spread(links, allowed, negative);
   }
 
   Lattice lattice_;

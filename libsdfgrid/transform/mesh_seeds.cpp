@@ -29,8 +29,8 @@ std::unique_ptr<SeedBrick> copy_seeds(const Brick& brick, double voxel) {
 
 }  // namespace
 
-MeshSeeds find_seeds(const SignedMesh& mesh, const Lattice& lattice, const Job& job) {
-  MeshVoxelizer voxelizer(mesh, lattice, {MeshSeeds::kWidth, MeshSeeds::kWidth}, job);
+MeshSeeds find_seeds(const SignedMesh& mesh, const Lattice& lattice, const Job& job, double width) {
+  MeshVoxelizer voxelizer(mesh, lattice, {width, width}, job);
   // By node and place, so that threads may fill them in any order.
   std::vector<std::vector<FoundBrick>> nodes(voxelizer.nodes());
   std::atomic<std::size_t> done{0};

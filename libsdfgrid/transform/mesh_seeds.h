@@ -20,9 +20,9 @@ struct SeedBrick {
 };
 
 struct MeshSeeds {
-  // Seeds are the samples nearer than this to a triangle, in voxels. The corners of every cell that
-  // the surface crosses are (they are within sqrt(3) of it), and second-order stencils find two
-  // layers on each side.
+  // Seeds are the samples nearer than this to a triangle, in voxels, if no more is asked for. The
+  // corners of every cell that the surface crosses are (they are within sqrt(3) of it), and
+  // second-order stencils find two layers on each side.
   static constexpr double kWidth = 2;
 
   BrickTable table;
@@ -30,6 +30,7 @@ struct MeshSeeds {
   bool contradicted = false;      // as in MeshVoxelizer
 };
 
-[[nodiscard]] MeshSeeds find_seeds(const SignedMesh& mesh, const Lattice& lattice, const Job& job);
+[[nodiscard]] MeshSeeds find_seeds(const SignedMesh& mesh, const Lattice& lattice, const Job& job,
+                                   double width = MeshSeeds::kWidth);
 
 }  // namespace sdfgrid

@@ -1,6 +1,7 @@
 #include "sdfgrid/transform/mesh_transform.h"
 
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/transform/mesh_binary.h"
 #include "sdfgrid/transform/mesh_feature.h"
 #include "sdfgrid/transform/mesh_marching.h"
 
@@ -18,12 +19,11 @@ std::unique_ptr<MeshTransform> make_mesh_transform(const SignedMesh& mesh, const
     case TransformMethod::closest_point:
     case TransformMethod::chamfer345:
     case TransformMethod::chamfer3:
-      return make_mesh_march(mesh, lattice, band, options, job);
-    // Their steps are longer than the seeds are deep, and would jump over the surface.
     case TransformMethod::chamfer5:
     case TransformMethod::chamfer_mask:
+      return make_mesh_march(mesh, lattice, band, options, job);
     case TransformMethod::meijster:
-      break;
+      return make_mesh_binary(mesh, lattice, band, job);
   }
   throw Error(ErrorKind::usage, "this method is for volumes only");
 }

@@ -28,9 +28,9 @@ class MeshTransform {
   [[nodiscard]] virtual bool contradicted() const = 0;
 };
 
-// Does the transform, all but the last step. Keeps a reference to the mesh. Takes the methods
-// feature, fmm, fmm2, closest_point, chamfer345 and chamfer3; of the options method and
-// bucket_width. Throws Error{usage} for others, and for a band that the method cannot do.
+// Does the transform, all but the last step. Keeps a reference to the mesh. Takes the methods that
+// transform_methods() has for meshes; of the options method, bucket_width and steps. Throws
+// Error{usage} for others, and for a band that the method cannot do.
 [[nodiscard]] std::unique_ptr<MeshTransform> make_mesh_transform(const SignedMesh& mesh,
                                                                  const Lattice& lattice,
                                                                  const Band& band,

@@ -7,6 +7,7 @@
 
 #include "chart/shapes.h"
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/grid/methods.h"
 
 namespace sdfgrid {
 namespace {
@@ -84,6 +85,59 @@ TEST(Choose, BudgetsEndTheSearchWithTheBestSoFar) {
   options.budget_seconds = 0;
   options.budget_bytes = 1000;
   EXPECT_THROW((void)choose_conversion(soup, {}, options, Job()), Error);
+}
+
+// Every method of the list converts, and errors are what its name says: none is left out of chart
+// and choice.
+TEST(Methods, AllConvertABallAndCanBeChosen) {
+  const TriangleSoup soup = ball(20);
+  const SurfaceTruth truth(soup, Job());
+  ConvertOptions convert;
+  convert.dim = 24;
+  convert.transform.emplace().steps = {{{1, 0, 0}, 1.0}, {{1, 1, 0}, 1.41}, {{1, 1, 1}, 1.73}};
+  const auto all = select_methods({}, convert, true);
+  ASSERT_EQ(all.size(), convert_methods().size());
+  EXPECT_EQ(all.front().name, "exact");
+  for (const ConvertMethod& method : all) {
+    const Grid grid = method.convert(soup, convert, Job()).grid;
+    const Survey measured = survey(grid, truth, {.samples = 3000}, Job());
+    EXPECT_LT(measured.voxels.max_error, 1.2 * measured.voxel) << method.name;
+    EXPECT_EQ(measured.voxels.sign_errors, 0U) << method.name;
+    if (method.name == "exact") {
+      EXPECT_LT(measured.voxels.max_error, 1e-5 * measured.voxel);
+    }
+    ChooseOptions options;
+    options.tolerance = 0.1;
+    options.methods = {method.name};
+    options.compare.samples = 2000;
+    const Choice choice = choose_conversion(soup, convert, options, Job());
+    EXPECT_EQ(choice.chosen.method, method.name);
+    EXPECT_TRUE(choice.within) << method.name;
+  }
+}
+
+TEST(Methods, TheListOfTransformsIsAmongThem) {
+  for (const TransformMethodInfo& info : transform_methods()) {
+    EXPECT_EQ(find_convert_method(info.name) != nullptr, info.meshes) << info.name;
+  }
+  EXPECT_EQ(find_convert_method("magic"), nullptr);
+  EXPECT_THROW((void)select_methods({"chamfer"}, {}, false), Error) << "without a mask";
+  for (const ConvertMethod& method : select_methods({}, {}, false)) {
+    EXPECT_FALSE(method.peer || method.needs_steps) << method.name;
+  }
+}
+
+// Bands that a method cannot do end its part in the search, not the search.
+TEST(Choose, LeavesOutWhatCannotDoTheBand) {
+  ConvertOptions convert;
+  convert.band = {30, 30};
+  ChooseOptions options;
+  options.tolerance = 0.2;
+  options.compare.samples = 1000;
+  options.methods = {"exact", "meijster", "feature"};
+  const Choice choice = choose_conversion(box({1, 1, 1}), convert, options, Job());
+  EXPECT_TRUE(choice.within);
+  EXPECT_EQ(choice.chosen.method, "exact");
 }
 
 TEST(Choose, NonsenseIsUsage) {

@@ -58,6 +58,57 @@ TEST_F(Chart, WritesPicturesAndTables) {
   EXPECT_EQ(run({"chart", cube_, "-o", chart_, "--dims", "8"}).exit, 2) << "--force is needed";
 }
 
+TEST_F(Chart, KnowsEveryMethodOfConvert) {
+  const std::string mask = folder_.write("mask.txt", "1 0 0 1\n1 1 0 1.41\n1 1 1 1.7 # diagonal\n");
+  const Outcome made = run({"chart", cube_, "-o", chart_, "--dims", "8", "--samples", "200",
+                            "--repeat", "1", "--mask", mask, "--json", "--quiet"});
+  ASSERT_EQ(made.exit, 0) << made.error;
+  const json result = json::parse(made.out);
+  std::vector<std::string> charted;
+  for (const json& point : result["points"]) charted.push_back(point["method"]);
+  for (const std::string& method : charted) {
+    if (method == "openvdb" || method == "sweep") continue;
+    const std::string grid = folder_.path(method + ".vdb");
+    const Outcome converted = run({"convert", cube_, "-o", grid, "--dim", "8", "--method", method,
+                                   "--mask", mask, "--json", "--quiet"});
+    EXPECT_EQ(converted.exit, 0) << converted.error;
+    EXPECT_EQ(json::parse(converted.out)["method"], method);
+  }
+  EXPECT_EQ(charted.size(), 12U) << "exact, nine transforms, two peers";
+}
+
+TEST_F(Chart, DoesScenes) {
+  const std::string scene =
+      folder_.write("scene.yaml", "sdfgrid: 1\nscene:\n  - sphere: {radius: 1}\n");
+  const Outcome made = run({"chart", scene, "-o", chart_, "--dims", "16,32", "--methods", "exact",
+                            "--samples", "500", "--repeat", "1", "--json", "--quiet"});
+  ASSERT_EQ(made.exit, 0) << made.error;
+  const json result = json::parse(made.out);
+  ASSERT_EQ(result["points"].size(), 4U);
+  for (const json& point : result["points"]) {
+    // A ball's field is its distance; its triangles lie within a hundredth of a voxel of it.
+    EXPECT_LT(point["voxels"]["max_error"].get<double>(), 0.01 * point["voxel"].get<double>());
+    EXPECT_EQ(point["voxels"]["sign_errors"], 0);
+  }
+}
+
+TEST_F(Chart, MasksAreChecked) {
+  const std::string grid = folder_.path("cube.vdb");
+  const auto convert = [&](const std::string& mask) {
+    return run({"convert", cube_, "-o", grid, "--dim", "8", "--method", "chamfer", "--mask", mask});
+  };
+  EXPECT_EQ(run({"convert", cube_, "-o", grid, "--dim", "8", "--method", "chamfer"}).exit, 2);
+  EXPECT_EQ(convert(folder_.path("none.txt")).exit, 4);
+  for (const char* text :
+       {"1 0 0 1\n2 2 0 2.8\n", "1 0 0\n", "1 0 0 1 7\n", "1 1 0 1.4\n", "x\n", "1 0 0 -1\n", ""}) {
+    const Outcome refused = convert(folder_.write("mask.txt", text));
+    EXPECT_EQ(refused.exit, 4) << text;
+    EXPECT_NE(refused.error.find("mask.txt"), std::string::npos) << refused.error;
+  }
+  EXPECT_NE(convert(folder_.write("mask.txt", "1 0 0 1\n2 2 0 2\n")).error.find("line 2"),
+            std::string::npos);
+}
+
 TEST_F(Chart, WordsAreChecked) {
   EXPECT_EQ(run({"chart", cube_, "-o", chart_, "--methods", "exakt"}).exit, 2);
   EXPECT_EQ(run({"chart", cube_, "-o", folder_.path("chart.pdf")}).exit, 2);

@@ -22,7 +22,13 @@ Conversion converted(const TriangleSoup& soup, std::optional<TransformMethod> me
   options.voxel = 0.05;
   options.band = {width, width};
   options.sign = sign;
-  if (method) options.transform = TransformOptions{.method = *method};
+  if (method) {
+    options.transform = TransformOptions{.method = *method};
+    if (method == TransformMethod::chamfer_mask) {
+      options.transform->steps = {
+          {{1, 0, 0}, 1.0}, {{1, 1, 0}, 1.41}, {{1, 1, 1}, 1.73}, {{3, 2, 1}, 3.74}};
+    }
+  }
   return convert_mesh(soup, options, Job{});
 }
 
@@ -69,14 +75,17 @@ TriangleSoup two_shapes() {
 }
 
 TEST(MeshTransform, EveryMethodKeepsItsBoundAndTheSigns) {
-  // Largest error and mean, voxels, for a band of 8: what docs/methods.md says of each.
+  // Largest error and mean, voxels, for a band of 8: what docs/methods.md says of each. The box's
+  // corners are samples, and sqrt(3) from the nearest sample inside: a mask is sqrt(3) - 1/2 off
+  // there.
   const std::map<std::string_view, std::pair<double, double>> bounds = {
       {"feature", {0.35, 0.002}}, {"cpm", {0.5, 0.01}},        {"fmm2", {0.8, 0.06}},
-      {"fmm", {1.6, 0.3}},        {"chamfer345", {1.5, 0.45}}, {"chamfer3", {1.2, 0.4}}};
+      {"fmm", {1.6, 0.3}},        {"chamfer345", {1.5, 0.45}}, {"chamfer3", {1.2, 0.4}},
+      {"chamfer5", {0.4, 0.12}},  {"chamfer", {0.6, 0.15}},    {"meijster", {1.24, 0.3}}};
   const TriangleSoup soup = two_shapes();
   const Conversion exact = converted(soup, std::nullopt, 8);
   for (const TransformMethodInfo& info : transform_methods()) {
-    if (!info.meshes || info.method == TransformMethod::chamfer_mask) continue;
+    if (!info.meshes) continue;
     const Conversion made = converted(soup, info.method, 8);
     const Difference d = difference(made.grid, exact.grid);
     const auto [max, mean] = bounds.at(info.name);
@@ -132,7 +141,7 @@ TEST(MeshTransform, GivesTheSameGridAtAnyNumberOfThreads) {
 
 TEST(MeshTransform, RefusesWhatIsNotForMeshes) {
   for (const auto& [method, width] :
-       {std::pair(TransformMethod::meijster, 3.0), std::pair(TransformMethod::feature, 100.0)}) {
+       {std::pair(TransformMethod::meijster, 30.0), std::pair(TransformMethod::feature, 100.0)}) {
     try {
       converted(two_shapes(), method, width);
       FAIL() << "accepted";
@@ -140,6 +149,47 @@ TEST(MeshTransform, RefusesWhatIsNotForMeshes) {
       EXPECT_EQ(error.kind(), ErrorKind::usage);
     }
   }
+}
+
+// The band by bricks is what the dense transform makes of the same mask, in every sample.
+TEST(MeshTransform, MeijsterIsTheDenseTransformOfTheMask) {
+  const TriangleSoup soup = two_shapes();
+  const double width = 6;
+  const Grid got = converted(soup, TransformMethod::meijster, width).grid;
+  glm::ivec3 lo;
+  glm::ivec3 hi;
+  got.active_bounds(lo, hi);
+  lo -= 2;
+  hi += 2;
+  const Grid exact = converted(soup, std::nullopt, 3).grid;
+  const glm::ivec3 dims = hi - lo + 1;
+  std::vector<std::uint8_t> mask;
+  for (int x = lo.x; x <= hi.x; ++x) {
+    for (int y = lo.y; y <= hi.y; ++y) {
+      for (int z = lo.z; z <= hi.z; ++z) mask.push_back(exact.value({x, y, z}) < 0 ? 1 : 0);
+    }
+  }
+  std::vector<float> dense(mask.size());
+  const double voxel = got.lattice().voxel;
+  distance_transform({dims, glm::dvec3(voxel), mask}, {.window = 100}, dense, Job{});
+  std::size_t n = 0;
+  std::size_t in_band = 0;
+  for (int x = lo.x; x <= hi.x; ++x) {
+    for (int y = lo.y; y <= hi.y; ++y) {
+      for (int z = lo.z; z <= hi.z; ++z) {
+        const double want = static_cast<double>(dense[n++]);
+        const double cut = std::clamp(want, -width * voxel, width * voxel);
+        ASSERT_NEAR(got.value({x, y, z}), cut, 1e-6) << x << " " << y << " " << z;
+        in_band += std::abs(want) < width * voxel - 1e-9 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_EQ(got.active_voxels(), in_band);
+}
+
+TEST(MeshTransform, MeijsterNeedsSigns) {
+  EXPECT_THROW((void)converted(two_shapes(), TransformMethod::meijster, 3, SignMethod::no_sign),
+               Error);
 }
 
 // The nearest site of every sample, against trying all of them; equally near ones may differ.
