@@ -73,8 +73,8 @@ Combined choose(F16 a, F16 b, float smooth, float thin) {
   return r;
 }
 
-void set_bits(std::uint64_t* words, int group, I16 mask) {
-  words[group >> 2] |= static_cast<std::uint64_t>(bits(mask)) << (16 * (group & 3));
+std::uint64_t bits_of(int group, I16 mask) {
+  return static_cast<std::uint64_t>(bits(mask)) << (16 * (group & 3));
 }
 
 template <CombineOp op>
@@ -82,38 +82,43 @@ void combine_as(const CombineInput& in, CombineOutput& out) {
   constexpr bool larger = op != CombineOp::unite;
   const F16 inside = splat(in.inside);
   const F16 outside = splat(in.outside);
-  I16 any_active = splat(0);
-  I16 any_changed = splat(0);
+  std::uint64_t any_active = 0;
+  std::uint64_t any_changed = 0;
   I16 any_positive = splat(0);
   I16 any_negative = splat(0);
-  for (int g = 0; g < kGroups; ++g) {
-    const F16 before = in.before != nullptr ? load(in.before + g * kLanes) : splat(in.constant);
-    const F16 a = in.extended != nullptr ? load(in.extended + g * kLanes) : before;
-    F16 b = load(in.brush + g * kLanes) * in.voxel;
-    const I16 in_brush = b < 0.0F;
-    if (op == CombineOp::subtract) b = -b;
-    const Combined c = choose<larger>(a, b, in.smooth, kThin * in.voxel);
-    const F16 after = max(min(c.value, outside), inside);
-    const I16 active = (after > inside) & (after < outside);
-    I16 suspect = c.suspect;
-    if (in.bound_inside) suspect = suspect | in_brush;
-    const I16 changed = after != before;
-    store(out.after + g * kLanes, after);
-    set_bits(out.active, g, active);
-    set_bits(out.suspect, g, suspect & active);
-    set_bits(out.changed, g, changed);
-    any_active = any_active | active;
-    any_changed = any_changed | changed;
-    any_positive = any_positive | (after >= outside);
-    any_negative = any_negative | (after <= inside);
+  for (int word = 0; word < 8; ++word) {
+    std::uint64_t active_bits = 0;
+    std::uint64_t suspect_bits = 0;
+    std::uint64_t changed_bits = 0;
+    for (int g = 4 * word; g < 4 * word + 4; ++g) {
+      const F16 before = in.before != nullptr ? load(in.before + g * kLanes) : splat(in.constant);
+      const F16 a = in.extended != nullptr ? load(in.extended + g * kLanes) : before;
+      F16 b = load(in.brush + g * kLanes) * in.voxel;
+      const I16 in_brush = b < 0.0F;
+      if (op == CombineOp::subtract) b = -b;
+      const Combined c = choose<larger>(a, b, in.smooth, kThin * in.voxel);
+      const F16 after = max(min(c.value, outside), inside);
+      I16 suspect = c.suspect;
+      if (in.bound_inside) suspect = suspect | in_brush;
+      store(out.after + g * kLanes, after);
+      active_bits |= bits_of(g, (after > inside) & (after < outside));
+      suspect_bits |= bits_of(g, suspect);
+      changed_bits |= bits_of(g, after != before);
+      any_positive = any_positive | (after >= outside);
+      any_negative = any_negative | (after <= inside);
+    }
+    out.active[word] = active_bits;
+    out.suspect[word] = suspect_bits & active_bits;
+    out.changed[word] = changed_bits;
+    any_active |= active_bits;
+    any_changed |= changed_bits;
   }
-  out.any_changed = any(any_changed);
-  out.all_inside = !any(any_active) && !any(any_positive);
-  out.all_outside = !any(any_active) && !any(any_negative);
+  out.any_changed = any_changed != 0;
+  out.all_inside = any_active == 0 && !any(any_positive);
+  out.all_outside = any_active == 0 && !any(any_negative);
 }
 
 void combine(const CombineInput& in, CombineOutput& out) {
-  for (int word = 0; word < 8; ++word) out.active[word] = out.suspect[word] = out.changed[word] = 0;
   switch (in.op) {
     case CombineOp::unite:
       return combine_as<CombineOp::unite>(in, out);

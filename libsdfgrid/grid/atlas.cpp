@@ -12,6 +12,7 @@
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/grid/atlas_kernel.h"
 #include "sdfgrid/grid/atlas_tables.h"
 #include "sdfgrid/grid/vdb.h"
 
@@ -31,11 +32,12 @@ glm::ivec3 brick_of(const openvdb::Coord& c) { return {c.x() >> 3, c.y() >> 3, c
 // Rays look at samples all over memory: with pages of 4 kB most looks miss the table of pages.
 template <class T>
 void resize_in_large_pages(std::vector<T>& values, std::size_t size) {
-  values.reserve(size);
+  values.reserve(size + size / 8);  // edits add bricks; what is not used takes no memory
 #if defined(__linux__)
   constexpr std::uintptr_t kLarge = std::uintptr_t{1} << 21;
   const auto begin = (reinterpret_cast<std::uintptr_t>(values.data()) + kLarge - 1) & ~(kLarge - 1);
-  const auto end = reinterpret_cast<std::uintptr_t>(values.data() + size) & ~(kLarge - 1);
+  const auto end =
+      reinterpret_cast<std::uintptr_t>(values.data() + values.capacity()) & ~(kLarge - 1);
   // Where the system refuses, the pages stay small.
   if (begin < end) (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
 #endif
@@ -194,24 +196,14 @@ void Builder::add_bricks_at_sign_changes() {
 // Copies the 9^3 samples of a slot from the eight blocks that they lie in.
 void Builder::fill(const openvdb::tree::ValueAccessor<const Tree>& values, const glm::ivec3& slot,
                    float* out) const {
-  constexpr int kEdge = Atlas::kEdge;
-  const double per_voxel = 1 / atlas_.lattice.voxel;
   for (int n = 0; n < 8; ++n) {
-    const glm::ivec3 step(n >> 2, (n >> 1) & 1, n & 1);
-    const glm::ivec3 count = 8 - 7 * step;
-    const Leaf* leaf = leaf_at(slot + step);
+    const glm::ivec3 at = slot + glm::ivec3(n >> 2, n >> 1 & 1, n & 1);
+    const Leaf* leaf = leaf_at(at);
     const float* from = leaf != nullptr ? leaf->buffer().data() : nullptr;
-    const float tile = leaf == nullptr ? values.getValue(corner(atlas_.lo + slot + step)) : 0.0F;
-    for (int x = 0; x < count.x; ++x) {
-      for (int y = 0; y < count.y; ++y) {
-        float* to = out + ((x + 8 * step.x) * kEdge + y + 8 * step.y) * kEdge + 8 * step.z;
-        for (int z = 0; z < count.z; ++z) {
-          const float value = from != nullptr ? from[(x << 6) | (y << 3) | z] : tile;
-          to[z] = static_cast<float>(value * per_voxel);
-        }
-      }
-    }
+    const float tile = leaf == nullptr ? values.getValue(corner(atlas_.lo + at)) : 0.0F;
+    copy_part(from, tile, n, out);
   }
+  atlas_kernel().scale(out, 1 / atlas_.lattice.voxel, Atlas::kSamples, out);
 }
 
 // Orders the bricks so that the crossing ones, which are all that rays look at, come first.

@@ -1,10 +1,15 @@
-// grid/atlas_tables.h: the tables of an Atlas by which rays jump; internal to grid/.
+// grid/atlas_tables.h: how the bricks of an Atlas are filled, and the tables by which rays jump;
+// internal to grid/.
 #pragma once
 
 #include "sdfgrid/core/job.h"
 #include "sdfgrid/grid/atlas.h"
 
 namespace sdfgrid {
+
+// The 9^3 samples of brick b lie in eight bricks of the grid. Copies part n, what lies in the one
+// at b + (n >> 2, n >> 1 & 1, n & 1): `from` its 512 values, or null for a constant.
+void copy_part(const float* from, float constant, int part, float* samples);
 
 struct BrickRange {
   float low, high;  // smallest and largest sample

@@ -14,6 +14,8 @@
 
 namespace sdfgrid {
 
+struct PartRanges;  // internal to grid/
+
 class LiveAtlas {
  public:
   // Throws what make_atlas() throws.
@@ -31,8 +33,13 @@ class LiveAtlas {
  private:
   void adopt();
   bool within(const glm::ivec3& slot) const;
+  enum class Stale : std::uint8_t { no, slope, all };
+  [[nodiscard]] Stale staleness(const glm::ivec3& slot, const PartRanges& parts, int n) const;
+  void fetch(const glm::ivec3& slot) const;
+  bool copy_brick(const glm::ivec3& brick);
+  void refresh_slope(const glm::ivec3& slot);
   void refresh_slot(const glm::ivec3& slot);
-  bool gather(const glm::ivec3& slot, float* samples, bool& has_samples) const;
+  bool gather(const glm::ivec3& slot, float* samples) const;
   std::int32_t take_brick(std::size_t place, bool crossing);
   void free_brick(std::size_t place);
   void move_brick(std::int32_t from, std::int32_t to);
@@ -45,7 +52,8 @@ class LiveAtlas {
   std::vector<std::size_t> owner_;           // the place of each brick, kNobody for a free one
   std::vector<std::int32_t> free_crossing_;  // free bricks before atlas_.crossing
   std::vector<std::int32_t> free_other_;     // and after
-  std::vector<glm::ivec3> slots_;            // of the refresh under way
+  std::vector<glm::ivec3> stale_;            // slots of which some samples changed
+  std::vector<Stale> marks_;                 // in what, for each slot
 };
 
 }  // namespace sdfgrid

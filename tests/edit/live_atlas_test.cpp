@@ -4,16 +4,34 @@
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 #include <random>
 
 #include "edit/grids.h"
 #include "sdfgrid/edit/sculptor.h"
+#include "sdfgrid/grid/atlas_kernel.h"
 #include "sdfgrid/trace/trace.h"
 
 namespace sdfgrid {
 namespace {
 
 using namespace sdfgrid::test;
+
+// Inside the crossing bricks no hop passes over a cell whose samples have both signs.
+void expect_safe_hops(const Atlas& a, const std::string& when) {
+  std::vector<std::uint32_t> longest(Atlas::kHops);
+  for (const std::int32_t brick : a.bricks) {
+    if (brick < 0 || brick >= a.crossing) continue;
+    const std::uint32_t* hops = a.hops.data() + std::size_t(brick) * Atlas::kHops;
+    atlas_kernel().hops(a.samples.data() + std::size_t(brick) * Atlas::kSamples, 0, longest.data());
+    for (std::size_t i = 0; i < std::size_t{Atlas::kHops} * 8; ++i) {
+      const auto cell = [&](const std::uint32_t* words) {
+        return words[i / 8] >> 4 * (i % 8) & 15;
+      };
+      ASSERT_LE(cell(hops), cell(longest.data())) << when;
+    }
+  }
+}
 
 void expect_same(const LiveAtlas& live, const Grid& grid, const std::string& when) {
   const Atlas& a = live.atlas();
@@ -25,6 +43,19 @@ void expect_same(const LiveAtlas& live, const Grid& grid, const std::string& whe
       }
     }
   }
+  // No jump is longer than it may be: the cubes of the new atlas are the largest that are empty.
+  for (std::size_t i = 0; i < fresh.jumps.size(); ++i) {
+    const std::size_t slots = fresh.bricks.size();
+    const auto place = static_cast<int>(i % slots);
+    const glm::ivec3 slot(place / (fresh.dims.y * fresh.dims.z),
+                          place / fresh.dims.z % fresh.dims.y, place % fresh.dims.z);
+    const glm::ivec3 own = slot + fresh.lo - a.lo;
+    const bool within =
+        glm::all(glm::greaterThanEqual(own, glm::ivec3(0))) && glm::all(glm::lessThan(own, a.dims));
+    if (!within) continue;
+    ASSERT_LE(a.jumps[i / slots * a.bricks.size() + a.place(own)], fresh.jumps[i]) << when;
+  }
+  expect_safe_hops(a, when);
   // The same hits, whatever the tables say of the way there.
   std::mt19937 random(11);
   std::normal_distribution<double> direction;

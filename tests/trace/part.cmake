@@ -1,5 +1,6 @@
 # Rays against slow references; the packets of each instruction set that the machine has.
 sdfgrid_test(trace_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/atlas_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/atlas_kernel_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/cubic_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/lattice_field.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/long_rays_test.cpp
