@@ -1,5 +1,7 @@
 #include "sdfgrid/mesh/winding.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -24,12 +26,14 @@ struct WindingNumber::Parts {
   winding::Tree tree;
   winding::Boundary boundary;
   winding::Evaluate evaluate;
+  winding::EvaluateCube evaluate_cube;
 };
 
 WindingNumber::WindingNumber(const TriangleSoup& soup, const Job& job)
     : parts_(std::make_unique<Parts>(Parts{winding::build_tree(soup, kAccuracy, job),
                                            winding::Boundary(winding::boundary_edges(soup)),
-                                           SDFGRID_SELECT_ISA(evaluate_winding)})) {}
+                                           SDFGRID_SELECT_ISA(evaluate_winding),
+                                           SDFGRID_SELECT_ISA(evaluate_winding_cube)})) {}
 
 WindingNumber::~WindingNumber() = default;
 WindingNumber::WindingNumber(WindingNumber&&) noexcept = default;
@@ -49,6 +53,19 @@ void WindingNumber::at(std::span<const glm::dvec3> locals, std::span<double> out
   } else if (!locals.empty()) {
     parts_->evaluate(parts_->tree.view(), &locals.front().x, locals.size(), out.data());
   }
+}
+
+void WindingNumber::at_cube(const glm::dvec3& corner, double step,
+                            std::span<double, kCubePoints> out) const {
+  static_assert(kCubePoints == winding::kCubePoints);
+  const double reach =
+      std::max({std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)}) + 7 * std::abs(step);
+  if (parts_->tree.nodes.empty() || !(reach * parts_->tree.scale < winding::kFarthest)) {
+    std::fill(out.begin(), out.end(), 0.0);
+    return;
+  }
+  const double from[3] = {corner.x, corner.y, corner.z};
+  parts_->evaluate_cube(parts_->tree.view(), from, step, out.data());
 }
 
 double WindingNumber::gradient_bound(const glm::dvec3& center, double radius) const {

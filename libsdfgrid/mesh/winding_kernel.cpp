@@ -7,16 +7,13 @@
 namespace sdfgrid::SDFGRID_ISA {
 namespace {
 
+using winding::kFarthest;
 using winding::kWidth;
 using winding::Leaf;
 using winding::Node;
 static_assert(kWidth == kLanes);
 
 constexpr double kInverseTwoPi = 0.15915494309189533577;
-
-// Beyond this many sizes of the soup the winding number is below 1e-10 even for 2^32 triangles,
-// each as large as the soup, and float powers of the distance would overflow.
-constexpr double kFarthest = 1e10;
 
 // Levels of a tree over 2^32 triangles, times the children that wait at each.
 constexpr int kStack = 8 * kWidth;
@@ -159,23 +156,35 @@ struct Query {
 // them. Each still takes its own decisions and adds in the order in which it would alone.
 constexpr int kPacket = 8;
 
+constexpr std::uint32_t kAllChildren = (1U << kWidth) - 1;
+
 struct Visit {
   std::uint32_t node;
-  std::uint32_t queries;  // one bit each
+  std::uint32_t queries;                  // one bit each
+  std::uint32_t children = kAllChildren;  // that are still to be added, one bit each
 };
+
+// The lanes of a node's children that are none of these.
+I16 lanes_but(std::uint32_t children) {
+  I16 lanes{};
+  for (int lane = 0; lane < kWidth; ++lane)
+    lanes[lane] = static_cast<int>(children >> lane & 1) - 1;
+  return lanes;
+}
 
 // Adds the children that are far from each of the queries; in `wanted` the queries that need each
 // child opened. Returns the children that any query does.
-std::uint32_t add_far_children(const Node& node, std::uint32_t queries, Query* packet,
+std::uint32_t add_far_children(const Node& node, const Visit& visit, Query* packet,
                                std::uint32_t (&wanted)[kWidth]) {
   std::uint32_t opened = 0;
-  for (std::uint32_t rest = queries; rest != 0; rest &= rest - 1) {
+  const I16 added = lanes_but(visit.children);
+  for (std::uint32_t rest = visit.queries; rest != 0; rest &= rest - 1) {
     Query& query = packet[__builtin_ctz(rest)];
     const F16x3 d = offset(node.center, query.q);
     const F16 r2 = dot(d, d);
     const I16 near = r2 < load(node.reach2);
-    query.far_sum += select(near, F16{}, expansions(node, d, r2));
-    const std::uint32_t lanes = bits(near);
+    query.far_sum += select(near | added, F16{}, expansions(node, d, r2));
+    const std::uint32_t lanes = bits(near) & visit.children;
     for (std::uint32_t l = lanes & ~opened; l != 0; l &= l - 1) wanted[__builtin_ctz(l)] = 0;
     for (std::uint32_t l = lanes; l != 0; l &= l - 1) wanted[__builtin_ctz(l)] |= rest & -rest;
     opened |= lanes;
@@ -190,15 +199,16 @@ void add_leaf(const Leaf& leaf, std::uint32_t queries, Query* packet) {
   }
 }
 
-void walk(const winding::TreeView& tree, std::uint32_t queries, Query* packet) {
+// Adds the part of the tree that starts at `from`.
+void walk(const winding::TreeView& tree, const Visit& from, Query* packet) {
   Visit stack[kStack];
   int waiting = 0;
-  stack[waiting++] = {0, queries};
+  stack[waiting++] = from;
   while (waiting > 0) {
     const Visit visit = stack[--waiting];
     const Node& node = tree.nodes[visit.node];
     std::uint32_t wanted[kWidth];
-    std::uint32_t rest = add_far_children(node, visit.queries, packet, wanted);
+    std::uint32_t rest = add_far_children(node, visit, packet, wanted);
     for (; rest != 0; rest &= rest - 1) {
       const auto lane = static_cast<std::uint32_t>(__builtin_ctz(rest));
       const std::uint32_t child = node.first + lane;
@@ -224,6 +234,135 @@ bool start(Query& query, const double* position, double scale) {
   return within;
 }
 
+double total(const Query& query) {
+  return static_cast<double>(sum(query.far_sum)) +
+         kInverseTwoPi * static_cast<double>(sum(query.near_sum));
+}
+
+// The far part of the tree is smooth over a cube: it is evaluated at kNodes^3 points and
+// interpolated. Chebyshev's points of an interval of half length 3.5 about 3.5.
+constexpr int kNodes = 4;
+constexpr double kNodeAt[kNodes] = {
+    3.5 - 3.5 * 0.92387953251128674, 3.5 - 3.5 * 0.38268343236508977,
+    3.5 + 3.5 * 0.38268343236508977, 3.5 + 3.5 * 0.92387953251128674};
+
+// Triangles are far if they keep this many radii of the cube's ball away from it, and so is the
+// centre of an expansion: the interpolation is then off by a few thousandths of what they add.
+constexpr float kGap = 0.5F;
+
+constexpr int kMostParts = 256;  // of the tree that are left to the single points
+constexpr std::uint32_t kWholePacket = (1U << kPacket) - 1;
+
+class Cube {
+ public:
+  Cube(const double (&corner)[3], double step, double scale) {
+    const double middle[3] = {corner[0] + 3.5 * step, corner[1] + 3.5 * step,
+                              corner[2] + 3.5 * step};
+    start(center_, middle, scale);
+    radius_ = static_cast<float>(3.5 * 1.7320508075688773 * step * scale);
+    for (int n = 0; n < kNodes * kNodes * kNodes; ++n) {
+      const double p[3] = {corner[0] + step * kNodeAt[n / (kNodes * kNodes)],
+                           corner[1] + step * kNodeAt[n / kNodes % kNodes],
+                           corner[2] + step * kNodeAt[n % kNodes]};
+      start(nodes_[n], p, scale);
+    }
+  }
+
+  // Adds what is far from the cube; writes the rest to `rest` and returns how many parts that is.
+  int add_far_parts(const winding::TreeView& tree, Visit (&rest)[kMostParts]) {
+    std::uint32_t stack[kStack];
+    int waiting = 0;
+    int parts = 0;
+    stack[waiting++] = 0;
+    while (waiting > 0) {
+      const std::uint32_t index = stack[--waiting];
+      const Node& node = tree.nodes[index];
+      std::uint32_t opened = add_expansions(node);
+      if (node.leaves != 0) {
+        opened = add_far_leaves(tree, node, opened);
+        if (opened != 0) rest[parts++] = {index, kWholePacket, opened};
+      } else if (parts + waiting + __builtin_popcount(opened) > kMostParts) {
+        // A place is kept for all that waits, as each may leave a part.
+        rest[parts++] = {index, kWholePacket, opened};
+      } else {
+        for (std::uint32_t l = opened; l != 0; l &= l - 1) {
+          stack[waiting++] = node.first + static_cast<std::uint32_t>(__builtin_ctz(l));
+        }
+      }
+    }
+    return parts;
+  }
+
+  void interpolate(double* out) const {
+    double weight[8][kNodes];
+    for (int i = 0; i < 8; ++i) {
+      for (int n = 0; n < kNodes; ++n) {
+        weight[i][n] = 1.0;
+        for (int m = 0; m < kNodes; ++m) {
+          if (m != n) weight[i][n] *= (i - kNodeAt[m]) / (kNodeAt[n] - kNodeAt[m]);
+        }
+      }
+    }
+    double value[kNodes * kNodes * kNodes];
+    for (int n = 0; n < kNodes * kNodes * kNodes; ++n) {
+      value[n] = total(nodes_[n]);
+    }
+    // Along one axis after the other: [l][m][n] to [l][m][z] to [l][y][z] to [x][y][z].
+    double along_z[kNodes * kNodes][8];
+    for (int lm = 0; lm < kNodes * kNodes; ++lm) {
+      for (int z = 0; z < 8; ++z) {
+        along_z[lm][z] = 0.0;
+        for (int n = 0; n < kNodes; ++n) along_z[lm][z] += weight[z][n] * value[lm * kNodes + n];
+      }
+    }
+    double along_y[kNodes][64];
+    for (int l = 0; l < kNodes; ++l) {
+      for (int yz = 0; yz < 64; ++yz) {
+        along_y[l][yz] = 0.0;
+        for (int m = 0; m < kNodes; ++m) {
+          along_y[l][yz] += weight[yz >> 3][m] * along_z[l * kNodes + m][yz & 7];
+        }
+      }
+    }
+    for (int xyz = 0; xyz < winding::kCubePoints; ++xyz) {
+      out[xyz] = 0.0;
+      for (int l = 0; l < kNodes; ++l) out[xyz] += weight[xyz >> 6][l] * along_y[l][xyz & 63];
+    }
+  }
+
+ private:
+  // Returns the children that must be opened, one bit each.
+  std::uint32_t add_expansions(const Node& node) {
+    const F16x3 away = offset(node.center, center_.q);
+    const F16 least = max(sqrt(load(node.reach2)), splat(kGap * radius_)) + radius_;
+    const I16 near = dot(away, away) < least * least;
+    const std::uint32_t lanes = bits(near);
+    if (lanes == kAllChildren) return lanes;
+    for (Query& query : nodes_) {
+      const F16x3 d = offset(node.center, query.q);
+      query.far_sum += select(near, F16{}, expansions(node, d, dot(d, d)));
+    }
+    return lanes;
+  }
+
+  // Of these leaves adds those that are far though their expansion does not do; returns the others.
+  std::uint32_t add_far_leaves(const winding::TreeView& tree, const Node& node,
+                               std::uint32_t leaves) {
+    const F16x3 away = offset(node.center, center_.q);
+    const F16 least = load(node.radius) + (1.0F + kGap) * radius_;
+    const std::uint32_t near = bits(dot(away, away) < least * least) & leaves;
+    for (std::uint32_t l = leaves & ~near; l != 0; l &= l - 1) {
+      const Leaf& leaf = tree.leaves[node.first + static_cast<std::uint32_t>(__builtin_ctz(l))];
+      for (Query& query : nodes_) query.near_sum += half_angles(leaf, query.q, query.exact);
+    }
+    return near;
+  }
+
+  Query center_;
+  float radius_;
+  Query nodes_[kNodes * kNodes * kNodes];
+};
+
 }  // namespace
 
 void evaluate_winding(const winding::TreeView& tree, const double* positions, std::size_t count,
@@ -236,11 +375,29 @@ void evaluate_winding(const winding::TreeView& tree, const double* positions, st
       const bool within = start(packet[i], positions + 3 * (first + i), tree.scale);
       queries |= static_cast<std::uint32_t>(within) << i;
     }
-    if (queries != 0) walk(tree, queries, packet);
+    if (queries != 0) walk(tree, {0, queries}, packet);
     for (int i = 0; i < size; ++i) {
-      out[first + i] = static_cast<double>(sum(packet[i].far_sum)) +
-                       kInverseTwoPi * static_cast<double>(sum(packet[i].near_sum));
+      out[first + i] = total(packet[i]);
     }
+  }
+}
+
+void evaluate_winding_cube(const winding::TreeView& tree, const double (&corner)[3], double step,
+                           double* out) {
+  Cube cube(corner, step, tree.scale);
+  Visit rest[kMostParts];
+  const int parts = cube.add_far_parts(tree, rest);
+  cube.interpolate(out);
+  for (int first = 0; parts > 0 && first < winding::kCubePoints; first += kPacket) {
+    Query packet[kPacket];
+    for (int i = 0; i < kPacket; ++i) {
+      const int at = first + i;
+      const double p[3] = {corner[0] + step * (at >> 6), corner[1] + step * (at >> 3 & 7),
+                           corner[2] + step * (at & 7)};
+      start(packet[i], p, tree.scale);
+    }
+    for (int part = 0; part < parts; ++part) walk(tree, rest[part], packet);
+    for (int i = 0; i < kPacket; ++i) out[first + i] += total(packet[i]);
   }
 }
 

@@ -153,6 +153,7 @@ float without_dust(double coefficient, double radius, int degree) {
 void fill_child(Node& node, std::size_t lane, const Moments& child, const Accuracy& accuracy) {
   const double distance = reach(child, accuracy);
   node.reach2[lane] = static_cast<float>(distance * distance);
+  node.radius[lane] = static_cast<float>(child.radius);
   for (int a = 0; a < 3; ++a) node.center[a][lane] = static_cast<float>(child.center[a]);
   const std::array<double, kCoefficients> c = coefficients(child);
   for (int i = 0; i < kCoefficients; ++i) {
@@ -164,6 +165,7 @@ void fill_child(Node& node, std::size_t lane, const Moments& child, const Accura
 // A child without triangles, too far from any query to be opened.
 void fill_unused(Node& node, std::size_t lane) {
   node.reach2[lane] = 0.0F;
+  node.radius[lane] = 0.0F;
   for (auto& center : node.center) center[lane] = kNowhere;
   for (auto& coefficient : node.coefficient) coefficient[lane] = 0.0F;
 }

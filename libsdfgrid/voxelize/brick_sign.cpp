@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <vector>
 
 #include "sdfgrid/mesh/winding.h"
 
@@ -32,6 +31,12 @@ BrickBits without(const BrickBits& a, const BrickBits& b) {
   return r;
 }
 
+BrickBits both(const BrickBits& a, const BrickBits& b) {
+  BrickBits r;
+  for (int x = 0; x < 8; ++x) r[x] = a[x] & b[x];
+  return r;
+}
+
 void add(BrickBits& a, const BrickBits& b) {
   for (int x = 0; x < 8; ++x) a[x] |= b[x];
 }
@@ -45,20 +50,13 @@ BrickBits everything() {
 // Asks for every sample of `open` by itself.
 BrickBits each_by_winding(const WindingNumber& winding, const BrickBits& open,
                           const BrickPosition& position) {
-  std::vector<int> samples;
-  std::vector<glm::dvec3> places;
-  for (int s = 0; s < 512; ++s) {
-    if ((open[static_cast<std::size_t>(s >> 6)] >> (s & 63) & 1) == 0) continue;
-    samples.push_back(s);
-    places.push_back(position(s));
+  std::array<double, WindingNumber::kCubePoints> w;
+  winding.at_cube(position.base, position.voxel, w);
+  BrickBits inside{};
+  for (std::size_t s = 0; s < w.size(); ++s) {
+    if (w[s] > 0.5) inside[s >> 6] |= 1ULL << (s & 63);
   }
-  std::vector<double> w(places.size());
-  winding.at(places, w);
-  BrickBits negative{};
-  for (std::size_t i = 0; i < w.size(); ++i) {
-    if (w[i] > 0.5) add(negative, single(samples[i]));
-  }
-  return negative;
+  return both(inside, open);
 }
 
 }  // namespace

@@ -83,28 +83,12 @@ class Signer {
     return {w > 0.5, margin > 0 && winding_.gradient_below(center, radius, margin / radius)};
   }
 
-  // Proves what it can for the octants of a brick, and asks for each sample of the others.
   void sign_brick(CapBrick& cap) const {
-    constexpr int kOctant = kBrickEdge / 2;
-    for_each_octant(cap.origin, kBrickEdge, [&](const glm::ivec3& lo) {
-      const Side side = side_of(lo, kOctant);
-      if (side.proven && !side.inside) return;
-      std::array<glm::dvec3, kOctant * kOctant * kOctant> places;
-      std::array<double, places.size()> w;
-      std::array<int, places.size()> samples;
-      for (int i = 0; i < static_cast<int>(places.size()); ++i) {
-        const glm::ivec3 at = lo + glm::ivec3(i / 16, i / 4 % 4, i % 4);
-        places[static_cast<std::size_t>(i)] = shift_ + voxel_ * glm::dvec3(at);
-        const glm::ivec3 in_brick = at - cap.origin;
-        samples[static_cast<std::size_t>(i)] = (in_brick.x * 8 + in_brick.y) * 8 + in_brick.z;
-      }
-      w.fill(1.0);
-      if (!side.proven) winding_.at(places, w);
-      for (std::size_t i = 0; i < w.size(); ++i) {
-        const auto sample = static_cast<std::size_t>(samples[i]);
-        if (w[i] > 0.5) cap.negative[sample >> 6] |= 1ULL << (sample & 63);
-      }
-    });
+    std::array<double, WindingNumber::kCubePoints> w;
+    winding_.at_cube(shift_ + voxel_ * glm::dvec3(cap.origin), voxel_, w);
+    for (std::size_t s = 0; s < w.size(); ++s) {
+      if (w[s] > 0.5) cap.negative[s >> 6] |= 1ULL << (s & 63);
+    }
   }
 
   template <class Visit>

@@ -109,6 +109,29 @@ TEST(Winding, AgreesWithTheDirectSumOnRandomClosedMeshes) {
   }
 }
 
+// Cubes that the triangles cross, that are as large as the soup or lie beside and far away from it.
+TEST(Winding, OfCubesOfPointsAgreesWithTheDirectSum) {
+  for (const Case& c : cases()) {
+    const WindingNumber winding(c.soup);
+    const Box box = bounds(c.soup);
+    const double size = glm::length(box.size());
+    Random random(7);
+    std::array<double, WindingNumber::kCubePoints> w;
+    for (int cube = 0; cube < 30; ++cube) {
+      const double step = size * std::pow(10.0, random.range(-4.0, -0.5));
+      const glm::dvec3 corner = box.center() - c.soup.origin +
+                                size * random.range(0.0, 1.5) * random.direction() - 3.5 * step;
+      winding.at_cube(corner, step, w);
+      for (int i = 0; i < 12; ++i) {
+        const auto at = static_cast<std::size_t>(random.range(0.0, 511.99));
+        const glm::dvec3 p = corner + step * glm::dvec3(at >> 6, at >> 3 & 7, at & 7);
+        EXPECT_NEAR(w[at], direct_winding(c.soup, p), WindingNumber::tolerance())
+            << c.name << ", step " << step << ", sample " << at;
+      }
+    }
+  }
+}
+
 TEST(Winding, IsOneInsideAndZeroOutsideOfAClosedSphere) {
   for (const double radius : {1e-30, 1e-6, 1.0, 1e6, 1e30}) {
     const WindingNumber winding(shapes::icosphere(4, radius));
