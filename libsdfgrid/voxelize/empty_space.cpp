@@ -1,6 +1,8 @@
 #include "sdfgrid/voxelize/empty_space.h"
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <glm/common.hpp>
 #include <unordered_set>
@@ -45,33 +47,46 @@ class Signer {
          const Occupancy& occupancy)
       : winding_(winding), voxel_(lattice.voxel), shift_(shift), occupancy_(occupancy) {}
 
-  void visit(const glm::ivec3& lo, int level, EmptySpace& out, const Job& job) const {
-    const int edge = kBrickEdge << level;
-    if (!occupancy_.holds(lo, level)) {
-      const Side side = side_of(lo, edge);
-      if (side.proven) {
-        if (side.inside) out.inside.push_back({lo, edge});
-        return;
-      }
-      if (level == 0) {
-        // The border is near. The brick is kept even if all its samples agree: a neighbour may not.
-        CapBrick cap{lo, {}};
-        sign_brick(cap);
-        out.caps.push_back(cap);
-        return;
-      }
-    } else if (level == 0) {
+  // Takes boxes of 8 * 2^level samples apart down to `least`, where the rest goes to `left`.
+  void divide(const glm::ivec3& lo, int level, int least, EmptySpace& out,
+              std::vector<glm::ivec3>& left) const {
+    if (proven(lo, level, out)) return;
+    if (level == least) {
+      left.push_back(lo);
       return;
     }
-    job.checkpoint();
-    for_each_octant(lo, edge, [&](const glm::ivec3& child) { visit(child, level - 1, out, job); });
+    for_each_octant(lo, kBrickEdge << level,
+                    [&](const glm::ivec3& child) { divide(child, level - 1, least, out, left); });
   }
+
+  // A brick without triangles whose side is not proven: the border is near. It is kept even if all
+  // its samples agree, for a neighbour's may not.
+  [[nodiscard]] CapBrick cap_brick(const glm::ivec3& lo) const {
+    CapBrick cap{lo, {}};
+    std::array<double, WindingNumber::kCubePoints> w;
+    winding_.at_cube(shift_ + voxel_ * glm::dvec3(lo), voxel_, w);
+    for (std::size_t s = 0; s < w.size(); ++s) {
+      if (w[s] > 0.5) cap.negative[s >> 6] |= 1ULL << (s & 63);
+    }
+    return cap;
+  }
+
+  [[nodiscard]] bool holds_brick(const glm::ivec3& lo) const { return occupancy_.holds(lo, 0); }
 
  private:
   struct Side {
     bool inside;  // at the box's centre
     bool proven;  // and in all of it
   };
+
+  // Whether all of an empty box is shown to be on one side.
+  bool proven(const glm::ivec3& lo, int level, EmptySpace& out) const {
+    if (occupancy_.holds(lo, level)) return false;
+    const int edge = kBrickEdge << level;
+    const Side side = side_of(lo, edge);
+    if (side.proven && side.inside) out.inside.push_back({lo, edge});
+    return side.proven;
+  }
 
   [[nodiscard]] Side side_of(const glm::ivec3& lo, int edge) const {
     // One sample further than the box on every side, so that two neighbours cannot be given
@@ -81,14 +96,6 @@ class Signer {
     const double w = winding_.at(center);
     const double margin = std::abs(w - 0.5) - winding_.tolerance();
     return {w > 0.5, margin > 0 && winding_.gradient_below(center, radius, margin / radius)};
-  }
-
-  void sign_brick(CapBrick& cap) const {
-    std::array<double, WindingNumber::kCubePoints> w;
-    winding_.at_cube(shift_ + voxel_ * glm::dvec3(cap.origin), voxel_, w);
-    for (std::size_t s = 0; s < w.size(); ++s) {
-      if (w[s] > 0.5) cap.negative[s >> 6] |= 1ULL << (s & 63);
-    }
   }
 
   template <class Visit>
@@ -115,8 +122,6 @@ EmptySpace sign_empty_space(const WindingNumber& winding, const Lattice& lattice
                             const Job& job) {
   EmptySpace all;
   if (bricks.empty()) return all;
-  constexpr int kTopLevel = 4;  // boxes of 128^3 samples, OpenVDB's nodes
-  constexpr int kTopEdge = kBrickEdge << kTopLevel;
   glm::ivec3 lo = bricks.front();
   glm::ivec3 hi = lo;
   for (const glm::ivec3& origin : bricks) {
@@ -124,19 +129,35 @@ EmptySpace sign_empty_space(const WindingNumber& winding, const Lattice& lattice
     hi = glm::max(hi, origin + (kBrickEdge - 1));
   }
   const glm::ivec3 margin = (hi - lo) / 4;
-  lo = round_down(lo - margin, kTopEdge);
-  hi = round_down(hi + margin, kTopEdge);
-  const glm::ivec3 dims = (hi - lo) / kTopEdge + 1;
-  const Occupancy occupancy(bricks, kTopLevel + 1);
+  lo -= margin;
+  hi += margin;
+  // From few boxes as large as the whole, so that work and memory follow the border, not the box.
+  constexpr int kNodeLevel = 4;  // boxes of 128^3 samples, OpenVDB's nodes
+  int top = kNodeLevel;
+  while ((kBrickEdge << top) < std::max({hi.x - lo.x, hi.y - lo.y, hi.z - lo.z}) + 1) ++top;
+  const Occupancy occupancy(bricks, top + 1);
   const Signer signer(winding, lattice, shift, occupancy);
-  std::vector<EmptySpace> parts(static_cast<std::size_t>(dims.x) *
-                                static_cast<std::size_t>(dims.y) *
-                                static_cast<std::size_t>(dims.z));
-  parallel_for(parts.size(), 1, job, [&](std::size_t begin, std::size_t end) {
+  const int edge = kBrickEdge << top;
+  const glm::ivec3 first = round_down(lo, edge);
+  std::vector<glm::ivec3> nodes;
+  for (int x = first.x; x <= hi.x; x += edge) {
+    for (int y = first.y; y <= hi.y; y += edge) {
+      for (int z = first.z; z <= hi.z; z += edge) {
+        signer.divide({x, y, z}, top, kNodeLevel, all, nodes);
+      }
+    }
+  }
+  std::vector<EmptySpace> parts(nodes.size());
+  std::atomic<std::size_t> done{0};
+  parallel_for(nodes.size(), 1, job, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const int n = static_cast<int>(i);
-      const glm::ivec3 at(n / (dims.y * dims.z), n / dims.z % dims.y, n % dims.z);
-      signer.visit(lo + kTopEdge * at, kTopLevel, parts[i], job);
+      std::vector<glm::ivec3> left;
+      signer.divide(nodes[i], kNodeLevel, 0, parts[i], left);
+      for (const glm::ivec3& brick : left) {
+        job.checkpoint();
+        if (!signer.holds_brick(brick)) parts[i].caps.push_back(signer.cap_brick(brick));
+      }
+      job.report("interior", static_cast<double>(++done) / static_cast<double>(nodes.size()));
     }
   });
   for (const EmptySpace& part : parts) {
