@@ -11,6 +11,7 @@
 #include "options.h"
 #include "scenes.h"
 #include "sdfgrid/grid/grid.h"
+#include "sdfgrid/grid/paint.h"
 #include "sdfgrid/mesh/diagnose.h"
 #include "sdfgrid/mesh/read.h"
 
@@ -97,6 +98,10 @@ void report_samples(const Grid& grid, Context& context) {
   context.print("samples    {} x {} x {}, {} active in {} bricks, {:.1f} MB in memory", dims.x,
                 dims.y, dims.z, grid.active_voxels(), grid.bricks(),
                 1e-6 * static_cast<double>(grid.bytes()));
+  for (const auto& [material, samples] : paint_counts(grid)) {
+    result["paint"][std::to_string(material)] = samples;
+    context.print("paint      {} samples of material {}", samples, material);
+  }
 }
 
 void report_metadata(const Grid& grid, double voxel, Context& context) {

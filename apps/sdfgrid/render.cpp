@@ -18,6 +18,7 @@
 #include "sdfgrid/grid/convert_field.h"
 #include "sdfgrid/grid/grid.h"
 #include "sdfgrid/image/image.h"
+#include "sdfgrid/trace/atlas_seen.h"
 #include "sdfgrid/trace/camera.h"
 #include "sdfgrid/trace/curvature.h"
 #include "sdfgrid/trace/field_seen.h"
@@ -110,6 +111,7 @@ struct Content {
   Atlas atlas;
   std::unique_ptr<FieldTracer> scene;
   std::vector<Material> materials;  // of the scene
+  Grid grid;                        // where there is no scene
 };
 
 // Rays hit where the sign changes, which unsigned distances never do.
@@ -161,7 +163,8 @@ Content load_shown_scene(Options& options, Context& context) {
   const int pixels = std::max(options.width, options.height);
   convert.dim = options.dim > 0 ? options.dim : std::clamp(pixels / 3, 64, 512);
   const FieldConversion conversion = convert_field(field, convert, context.job());
-  Content content{make_atlas(conversion.grid, context.job()), nullptr, std::move(model.materials)};
+  Content content{
+      make_atlas(conversion.grid, context.job()), nullptr, std::move(model.materials), {}};
   const Box box = field.bounds();
   const glm::dvec3 margin(1e-4 * glm::length(box.size()));
   content.scene = std::make_unique<FieldTracer>(field, Box{box.lo - margin, box.hi + margin});
@@ -170,7 +173,8 @@ Content load_shown_scene(Options& options, Context& context) {
 
 Content load_content(Options& options, Context& context) {
   if (names_scene(options.input)) return load_shown_scene(options, context);
-  return {make_atlas(load(options, context), context.job()), nullptr, {}};
+  const Grid grid = load(options, context);
+  return {make_atlas(grid, context.job()), nullptr, {}, grid};
 }
 
 // The surface's points in world units.
@@ -237,9 +241,8 @@ void fill_aov(const std::string& aov, const Content& content, const Rendering& r
   } else if (aov == "steps") {
     *out = r.hits.steps[pixel];
   } else if (aov == "id") {
-    // Surfaces without a material are 1, those with the scene's n-th one (from 0) are 2 + n.
-    const bool scene = hit && content.scene != nullptr;
-    *out = static_cast<float>(scene ? 2 + content.scene->field().tag_at(r.point(pixel)) : int(hit));
+    // Surfaces without a material are 1; those of the scene's n-th one, or painted with n, 1 + n.
+    *out = static_cast<float>(hit ? 1 + r.picture.material[pixel] : 0);
   } else if (hit) {
     *out = mean_curvature_at(content.atlas, r.point(pixel));
   }
@@ -298,7 +301,8 @@ void trace_and_shade(const Options& options, const Content& content,
   if (content.scene == nullptr) {
     r.hits = trace_primary(atlas, r.camera, job);
     watch.lap("trace");
-    r.picture = shade(atlas, surroundings, r.camera, r.hits, options.look, job);
+    const SeenAtlas seen(atlas, options.look.material, content.grid);
+    r.picture = shade(seen, atlas, surroundings, r.camera, r.hits, options.look, job);
   } else {
     r.hits = content.scene->trace_primary(r.camera, job);
     watch.lap("trace");

@@ -27,6 +27,11 @@ struct EditContext {
   IndexBox range;
 };
 
+// Distances of a brick's samples to the union of the placements that reach it, voxels, cut off at
+// the grid's range.
+void brush_distances(const Stroke& stroke, const StrokePlan& plan, const PlannedBrick& planned,
+                     const EditContext& context, float* distances);
+
 // Combines one brick with the union of its placements. edit.brick and edit.before are given.
 void combine_brick(const Stroke& stroke, const StrokePlan& plan, const PlannedBrick& planned,
                    const EditContext& context, BrickEdit& edit);

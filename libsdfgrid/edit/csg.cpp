@@ -97,9 +97,8 @@ void clip_to_range(const IndexBox& range, double margin, const glm::ivec3& brick
 
 }  // namespace
 
-void combine_brick(const Stroke& stroke, const StrokePlan& plan, const PlannedBrick& planned,
-                   const EditContext& context, BrickEdit& edit) {
-  alignas(64) float distances[kBrickSamples];
+void brush_distances(const Stroke& stroke, const StrokePlan& plan, const PlannedBrick& planned,
+                     const EditContext& context, float* distances) {
   const double voxel = context.lattice.voxel;
   if (planned.begin == planned.end) {  // beyond the brush, for an intersection
     std::fill(distances, distances + kBrickSamples, 1e9F);
@@ -110,14 +109,20 @@ void combine_brick(const Stroke& stroke, const StrokePlan& plan, const PlannedBr
   }
   if (plan.clipped) {
     const double margin = std::max(context.limits.outside, -context.limits.inside) / voxel + 1;
-    clip_to_range(context.range, margin, edit.brick, distances);
+    clip_to_range(context.range, margin, planned.brick, distances);
   }
+}
+
+void combine_brick(const Stroke& stroke, const StrokePlan& plan, const PlannedBrick& planned,
+                   const EditContext& context, BrickEdit& edit) {
+  alignas(64) float distances[kBrickSamples];
+  brush_distances(stroke, plan, planned, context, distances);
   CombineInput in{};
   in.op = combine_op(stroke.op);
   in.brush = distances;
   in.before = edit.before.values;
   in.constant = edit.before.constant;
-  in.voxel = static_cast<float>(voxel);
+  in.voxel = static_cast<float>(context.lattice.voxel);
   in.smooth = static_cast<float>(stroke.smooth);
   in.inside = context.limits.inside;
   in.outside = context.limits.outside;

@@ -13,6 +13,7 @@
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/edit/block.h"
 #include "sdfgrid/edit/brick_edit.h"
+#include "sdfgrid/edit/paint_bricks.h"
 #include "sdfgrid/edit/stroke_plan.h"
 
 namespace sdfgrid {
@@ -98,7 +99,7 @@ class Sculptor::Pass {
     if (stroke_.op == StrokeOp::intersect) add_bricks_beyond();
     if (stroke_.op == StrokeOp::flatten) find_normals();
     try {
-      is_csg(stroke_.op) ? combine() : shape();
+      change();
     } catch (...) {
       record_.exchange(sculptor_.bricks_);
       throw;
@@ -112,6 +113,11 @@ class Sculptor::Pass {
   }
 
  private:
+  void change() {
+    if (is_csg(stroke_.op)) return combine();
+    if (stroke_.op != StrokeOp::paint) return shape();
+    paint_bricks(stroke_, plan_, context(), sculptor_.bricks_, record_, job_);
+  }
   void add_bricks_beyond();
   void combine();
   void combine(std::size_t begin, std::size_t end);

@@ -227,6 +227,10 @@ void Session::replay(const Job& job) {
   undone_ = texts(undone);
   Grid grid;
   const std::size_t from = best_snapshot(standing, grid);
+  sculptor_.reset();
+  spill_ = std::make_unique<SpillFile>(folder_);
+  sculpt_.undo = options_.undo;
+  sculpt_.undo.store = spill_.get();
   sculptor_ = std::make_unique<Sculptor>(grid, sculpt_);
   for (std::size_t i = from; i < done_.size(); ++i) {
     const std::string source = fmt::format("{}: record {}", file("journal"), standing[i]);

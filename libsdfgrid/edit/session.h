@@ -19,6 +19,7 @@
 #include "sdfgrid/core/job.h"
 #include "sdfgrid/edit/journal.h"
 #include "sdfgrid/edit/sculptor.h"
+#include "sdfgrid/edit/spill_file.h"
 #include "sdfgrid/edit/stamp.h"
 
 namespace sdfgrid {
@@ -28,6 +29,7 @@ struct SessionOptions {
   bool salvage = false;
   std::size_t snapshot_every = 500;  // strokes
   StampMaker* stamps = nullptr;      // must outlive the session; none: strokes with stamps fail
+  UndoOptions undo{};                // without a store: the session has a file for it
 };
 
 // Makes a session of `grid` in a folder that does not exist or is empty. Throws Error{usage} if
@@ -60,6 +62,8 @@ class Session {
   // What was cut off or could not be written, since it was opened.
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   [[nodiscard]] const Grid& grid() const { return sculptor_->grid(); }
+  // Of the strokes since it was opened; others are undone by replaying those before.
+  [[nodiscard]] const UndoHistory& history() const { return sculptor_->history(); }
 
  private:
   class Lock;
@@ -82,6 +86,7 @@ class Session {
   std::vector<std::string> undone_;
   std::size_t since_snapshot_ = 0;
   std::vector<std::string> warnings_;
+  std::unique_ptr<SpillFile> spill_;
   std::unique_ptr<Sculptor> sculptor_;
 };
 

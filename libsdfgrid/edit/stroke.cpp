@@ -19,9 +19,11 @@ std::string_view stroke_op_word(StrokeOp op) {
     case StrokeOp::smooth:
       return "smooth";
     case StrokeOp::pinch:
+      return "pinch";
+    case StrokeOp::paint:
       break;
   }
-  return "pinch";
+  return "paint";
 }
 
 bool is_csg(StrokeOp op) {

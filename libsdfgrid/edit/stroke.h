@@ -24,6 +24,7 @@ enum class StrokeOp : std::uint8_t {
   flatten,    // move the surface towards the plane of the path's first point
   smooth,     // even it out
   pinch,      // draw it together towards the path
+  paint,      // give the samples of the band within the brush a material
 };
 
 // The word for it in stroke files ("union", "difference", ...).
@@ -73,6 +74,7 @@ struct Stroke {
   bool at_points = false;  // put it down at the path's points alone, neither swept nor spaced
   double smooth = 0;       // width of the blend of a CSG stroke; 0: a sharp edge
   double strength = 0.5;   // of a clay tool, in (0, 1]
+  int material = 0;        // that paint gives, up to kMostMaterial; 0 takes paint away
   std::string text;        // as in a stroke file, one line; empty for a stroke made in code
   std::vector<MirrorPlane> mirror;  // the stroke is repeated on the other side of each
   std::vector<Stamp> stamps;        // that the brush is made of, in the order of the text

@@ -4,12 +4,14 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/edit/field_brush.h"
+#include "sdfgrid/grid/paint.h"
 
 namespace sdfgrid {
 namespace {
@@ -42,6 +44,7 @@ class Reader {
   template <class Make>
   auto made_of(const YAML::Node& node, const Make& make) const;
   Argument argument(const std::string& name, const YAML::Node& node) const;
+  int material(const YAML::Node& node) const;
   std::vector<PathPoint> path(const YAML::Node& node) const;
   std::vector<MirrorPlane> mirror(const YAML::Node& node) const;
   MirrorPlane plane(const YAML::Node& word, double at) const;
@@ -71,7 +74,7 @@ constexpr const char* kStampWord = "stamp";  // a union at the path's points alo
 void Reader::op(const YAML::Node& node, Stroke& stroke) const {
   const std::string given = node.IsScalar() ? node.Scalar() : "";
   std::string words;
-  for (int i = 0; i <= static_cast<int>(StrokeOp::pinch); ++i) {
+  for (int i = 0; i <= static_cast<int>(StrokeOp::paint); ++i) {
     stroke.op = static_cast<StrokeOp>(i);
     if (given == stroke_op_word(stroke.op)) return;
     words += fmt::format("{}, ", stroke_op_word(stroke.op));
@@ -205,6 +208,15 @@ Brush Reader::brush(const YAML::Node& node) {
   return brush;
 }
 
+int Reader::material(const YAML::Node& node) const {
+  const double value = number(node, "material");
+  if (value == std::floor(value) && value >= 0 && value <= kMostMaterial) {
+    return static_cast<int>(value);
+  }
+  refuse(node, fmt::format("there is no material {:g}", value),
+         fmt::format("use a whole number from 0 (no paint) to {}", kMostMaterial));
+}
+
 std::vector<PathPoint> Reader::path(const YAML::Node& node) const {
   std::vector<PathPoint> path;
   if (!node.IsSequence()) refuse(node, "the path is no list", "as in [[0, 0, 1], [0.2, 0, 1]]");
@@ -277,14 +289,19 @@ Stroke Reader::stroke(const YAML::Node& node) {
       s.smooth = number(value, "smooth");
     } else if (word == "strength") {
       s.strength = number(value, "strength");
+    } else if (word == "material") {
+      s.material = material(value);
     } else if (word == "mirror") {
       s.mirror = mirror(value);
     } else if (word != "name") {
       warnings.push_back(fmt::format(
           "{}: {}: '{}' is no word of a stroke and was left out; there are op, brush, path, "
-          "spacing, smooth, strength, mirror and name",
+          "spacing, smooth, strength, material, mirror and name",
           source_, place_of(item.first), word));
     }
+  }
+  if (s.op == StrokeOp::paint && !node["material"]) {
+    refuse(node, "paint has no material", "add it, as in material: 2; 0 takes paint away");
   }
   if (s.at_points && used_.empty()) {
     refuse(node["brush"], "a stamp's brush is a grid or a scene", "as in {grid: {file: name.vdb}}");

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/grid/paint.h"
 
 namespace sdfgrid {
 namespace {
@@ -32,6 +33,8 @@ void check_stroke(const Stroke& stroke) {
                "the width of the blend must not be negative; it", stroke.smooth);
   check_number(positive(stroke.strength) && stroke.strength <= 1,
                "the strength must be above 0 and at most 1; it", stroke.strength);
+  check_number(stroke.material >= 0 && stroke.material <= kMostMaterial,
+               "the material must be 0 to 255; it", stroke.material);
   for (const PathPoint& p : stroke.path) {
     for (int a = 0; a < 3; ++a) {
       check_number(std::isfinite(p.at[a]), "a coordinate of the path must be finite; one", p.at[a]);
@@ -48,7 +51,8 @@ class Planner {
     const BrushShape* shape = stroke.brush.shape.get();
     const double radius = shape ? 0.5 * glm::length(shape->bounds.size()) : stroke.brush.radius;
     radius_ = radius / lattice.voxel;
-    if (is_csg(stroke.op)) shape_ = shape;
+    whole_ = is_csg(stroke.op) || stroke.op == StrokeOp::paint;
+    if (whole_) shape_ = shape;
   }
 
   StrokePlan plan() {
@@ -75,6 +79,7 @@ class Planner {
   const Lattice& lattice_;
   const PlanLimits& limits_;
   double radius_;                      // voxels; of a shape half its box's diagonal
+  bool whole_ = false;                 // the brush itself acts, not a tool as far as its radius
   const BrushShape* shape_ = nullptr;  // in whose box the stroke stays; else it is balls
   StrokePlan plan_;
 };
@@ -90,10 +95,10 @@ void Planner::place_at_points() {
   plan_.dabs = plan_.placements.size();
 }
 
-// Balls of CSG strokes are swept from point to point; all else is put down in dabs.
+// Balls that act themselves are swept from point to point; all else is put down in dabs.
 void Planner::place_along_path() {
   if (stroke_.at_points) return place_at_points();
-  const bool swept = is_csg(stroke_.op) && !stroke_.brush.shape;
+  const bool swept = whole_ && !stroke_.brush.shape;
   place_dabs(swept);
   if (!swept) return;
   plan_.placements.clear();

@@ -30,7 +30,7 @@ template <class T>
 void pack_vector(const std::vector<T>& values, std::vector<std::byte>& out) {
   const std::uint64_t size = values.size() * sizeof(T);
   append(out, &size, sizeof size);
-  std::vector<std::byte> piece(kPiece + BLOSC_MAX_OVERHEAD);
+  std::vector<std::byte> piece(std::min<std::size_t>(kPiece, size) + BLOSC_MAX_OVERHEAD);
   for (std::size_t at = 0; at < size; at += kPiece) {
     const std::size_t count = std::min<std::size_t>(kPiece, size - at);
     const int packed =
@@ -82,6 +82,15 @@ void UndoRecord::add(const glm::ivec3& brick, const GridBrick& now) {
   states_.push_back(state);
 }
 
+void UndoRecord::add_paint(const glm::ivec3& brick, const std::int32_t* now) {
+  State state{brick, 0, -1};
+  if (now != nullptr) {
+    state.slot = static_cast<std::int32_t>(materials_.size() / kBrickSamples);
+    materials_.insert(materials_.end(), now, now + kBrickSamples);
+  }
+  painted_.push_back(state);
+}
+
 void UndoRecord::exchange(GridBricks& grid) {
   UndoRecord other;
   other.reserve(states_.size());
@@ -97,19 +106,26 @@ void UndoRecord::exchange(GridBricks& grid) {
     std::memcpy(brick.active, active_.data() + std::size_t(state.slot) * kBrickWords,
                 sizeof(std::uint64_t) * kBrickWords);
   }
+  for (const State& state : painted_) other.add_paint(state.brick, grid.paint(state.brick));
+  for (const State& state : painted_) {
+    const std::size_t first = std::size_t(std::max(state.slot, 0)) * kBrickSamples;
+    grid.set_paint(state.brick, state.slot < 0 ? nullptr : materials_.data() + first);
+  }
   *this = std::move(other);
 }
 
 std::vector<glm::ivec3> UndoRecord::bricks() const {
   std::vector<glm::ivec3> all;
-  all.reserve(states_.size());
+  all.reserve(size());
   for (const State& state : states_) all.push_back(state.brick);
+  for (const State& state : painted_) all.push_back(state.brick);
   return all;
 }
 
 std::size_t UndoRecord::bytes() const {
   return sizeof *this + states_.capacity() * sizeof(State) + values_.capacity() * sizeof(float) +
-         active_.capacity() * sizeof(std::uint64_t);
+         active_.capacity() * sizeof(std::uint64_t) + painted_.capacity() * sizeof(State) +
+         materials_.capacity() * sizeof(std::int32_t);
 }
 
 std::vector<std::byte> UndoRecord::pack() const {
@@ -117,6 +133,8 @@ std::vector<std::byte> UndoRecord::pack() const {
   pack_vector(states_, out);
   pack_vector(values_, out);
   pack_vector(active_, out);
+  pack_vector(painted_, out);
+  pack_vector(materials_, out);
   out.shrink_to_fit();
   return out;
 }
@@ -126,11 +144,13 @@ UndoRecord UndoRecord::unpack(std::span<const std::byte> packed) {
   record.states_ = unpack_vector<State>(packed);
   record.values_ = unpack_vector<float>(packed);
   record.active_ = unpack_vector<std::uint64_t>(packed);
+  record.painted_ = unpack_vector<State>(packed);
+  record.materials_ = unpack_vector<std::int32_t>(packed);
   return record;
 }
 
 void UndoHistory::push(UndoRecord record) {
-  entries_.resize(done_);
+  forget(done_, entries_.size());
   if (options_.full_bytes == 0) return;
   entries_.emplace_back();
   entries_.back().record = std::move(record);
@@ -139,9 +159,13 @@ void UndoHistory::push(UndoRecord record) {
 }
 
 std::vector<glm::ivec3> UndoHistory::exchange(Entry& entry, GridBricks& grid) {
-  if (entry.where == Where::spilled) entry.packed = options_.store->get(entry.name);
-  if (entry.where != Where::full) entry.record = UndoRecord::unpack(entry.packed);
-  entry.packed = {};
+  if (entry.where == Where::spilled) {
+    entry.packed = options_.store->get(entry.name);
+    options_.store->forget(entry.name);
+    entry.where = Where::packed;
+  }
+  if (entry.where == Where::packed) entry.record = UndoRecord::unpack(entry.packed);
+  entry.packed = std::vector<std::byte>();  // {} would keep the memory
   entry.where = Where::full;
   entry.record.exchange(grid);
   return entry.record.bricks();
@@ -149,12 +173,18 @@ std::vector<glm::ivec3> UndoHistory::exchange(Entry& entry, GridBricks& grid) {
 
 std::vector<glm::ivec3> UndoHistory::undo(GridBricks& grid) {
   if (done_ == 0) return {};
-  return exchange(entries_[--done_], grid);
+  const std::vector<glm::ivec3> bricks = exchange(entries_[done_ - 1], grid);
+  --done_;
+  keep_within_budget();
+  return bricks;
 }
 
 std::vector<glm::ivec3> UndoHistory::redo(GridBricks& grid) {
   if (done_ == entries_.size()) return {};
-  return exchange(entries_[done_++], grid);
+  const std::vector<glm::ivec3> bricks = exchange(entries_[done_], grid);
+  ++done_;
+  keep_within_budget();
+  return bricks;
 }
 
 std::size_t UndoHistory::bytes() const {
@@ -165,34 +195,66 @@ std::size_t UndoHistory::bytes() const {
   return sum;
 }
 
+void UndoHistory::forget(std::size_t begin, std::size_t end) {
+  const auto first = entries_.begin() + static_cast<std::ptrdiff_t>(begin);
+  const auto last = entries_.begin() + static_cast<std::ptrdiff_t>(end);
+  for (auto entry = first; entry != last; ++entry) {
+    if (entry->where == Where::spilled) options_.store->forget(entry->name);
+  }
+  entries_.erase(first, last);
+}
+
+// From where undo and redo stand outwards, turn by turn.
 void UndoHistory::keep_within_budget() {
   std::size_t full = 0;
   std::size_t packed = 0;
-  for (auto entry = entries_.rbegin(); entry != entries_.rend(); ++entry) {
-    if (entry->where == Where::full) {
-      full += entry->record.bytes();
-      if (full > options_.full_bytes && entry != entries_.rbegin()) {
-        full -= entry->record.bytes();
-        entry->packed = entry->record.pack();
-        entry->record = UndoRecord();
-        entry->where = Where::packed;
-      }
+  std::size_t before = done_;  // the entries [before, after) are seen to
+  std::size_t after = done_;
+  while (before > 0 || after < entries_.size()) {
+    const bool back = after == entries_.size() || (before > 0 && done_ - before <= after - done_);
+    const std::size_t at = back ? before - 1 : after;
+    if (keep(entries_[at], before == after, full, packed)) {
+      (back ? before : after) = back ? at : at + 1;
+    } else if (back) {  // what lies behind cannot be reached any more
+      forget(0, before);
+      done_ -= before;
+      after -= before;
+      before = 0;
+    } else {
+      forget(at, entries_.size());
     }
-    if (entry->where != Where::packed) continue;
-    packed += entry->packed.capacity();
-    if (packed <= options_.packed_bytes) continue;
-    packed -= entry->packed.capacity();
-    if (options_.store == nullptr) {
-      // Older strokes cannot be undone any more.
-      const auto forgotten = static_cast<std::size_t>(entries_.rend() - entry);
-      entries_.erase(entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(forgotten));
-      done_ -= forgotten;
-      return;
-    }
-    entry->name = options_.store->put(entry->packed);
-    entry->packed = {};
-    entry->where = Where::spilled;
   }
+}
+
+// False if there is no place for it.
+bool UndoHistory::keep(Entry& entry, bool nearest, std::size_t& full, std::size_t& packed) {
+  if (entry.where == Where::full) {
+    const std::size_t bytes = entry.record.bytes();
+    if (nearest || full + bytes <= options_.full_bytes) {
+      full += bytes;
+      return true;
+    }
+    entry.packed = entry.record.pack();
+    entry.record = UndoRecord();
+    entry.where = Where::packed;
+  }
+  if (entry.where == Where::spilled) return true;
+  if (packed + entry.packed.capacity() > options_.packed_bytes) return spill(entry);
+  packed += entry.packed.capacity();
+  return true;
+}
+
+// A store that is full does no harm to what stands: the stroke can only not be undone any more.
+bool UndoHistory::spill(Entry& entry) {
+  if (options_.store == nullptr) return false;
+  try {
+    entry.name = options_.store->put(entry.packed);
+  } catch (const Error&) {
+    return false;
+  }
+  entry.packed = std::vector<std::byte>();
+  entry.where = Where::spilled;
+  return true;
 }
 
 }  // namespace sdfgrid

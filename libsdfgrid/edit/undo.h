@@ -23,11 +23,13 @@ class UndoRecord {
   void reserve(std::size_t bricks);
   // Adds the state of a brick as it is now. Each brick once.
   void add(const glm::ivec3& brick, const GridBrick& now);
+  // The same of its paint: GridBricks::paint().
+  void add_paint(const glm::ivec3& brick, const std::int32_t* now);
   // Exchanges every brick's state with the grid's.
   void exchange(GridBricks& grid);
 
   [[nodiscard]] std::vector<glm::ivec3> bricks() const;
-  [[nodiscard]] std::size_t size() const { return states_.size(); }
+  [[nodiscard]] std::size_t size() const { return states_.size() + painted_.size(); }
   [[nodiscard]] std::size_t bytes() const;  // of memory
 
   // The record as one block of bytes, compressed without loss, and back.
@@ -45,6 +47,8 @@ class UndoRecord {
   std::vector<State> states_;
   std::vector<float> values_;          // kBrickSamples a slot
   std::vector<std::uint64_t> active_;  // kBrickWords a slot
+  std::vector<State> painted_;
+  std::vector<std::int32_t> materials_;  // kBrickSamples a slot
 };
 
 // Where records go that memory has no room for.
@@ -53,14 +57,19 @@ class UndoStore {
   virtual ~UndoStore() = default;
   // Keeps the bytes and returns a name for them. Throws Error{failed} if it cannot.
   virtual std::size_t put(std::span<const std::byte> bytes) = 0;
+  // Gives them back. Throws Error{failed} if it cannot.
   [[nodiscard]] virtual std::vector<std::byte> get(std::size_t name) = 0;
+  // They are not asked for again.
+  virtual void forget(std::size_t name) = 0;
 };
 
 struct UndoOptions {
-  std::size_t full_bytes =
-      256U << 20;  // of records as they are, 0: keep none; older ones are compressed
-  std::size_t packed_bytes = 256U << 20;  // of compressed ones; older ones are spilled or forgotten
-  UndoStore* store = nullptr;             // must outlive the history
+  // Of records as they are, 0: keep none. Those furthest from where undo and redo stand are
+  // compressed, but for the nearest.
+  std::size_t full_bytes = 256U << 20;
+  // Of compressed ones; those furthest are spilled, or forgotten if that cannot be.
+  std::size_t packed_bytes = 256U << 20;
+  UndoStore* store = nullptr;  // must outlive the history
 };
 
 // The strokes that can be undone and those that can be redone.
@@ -89,6 +98,9 @@ class UndoHistory {
   };
   std::vector<glm::ivec3> exchange(Entry& entry, GridBricks& grid);
   void keep_within_budget();
+  bool keep(Entry& entry, bool nearest, std::size_t& full, std::size_t& packed);
+  bool spill(Entry& entry);
+  void forget(std::size_t begin, std::size_t end);
 
   UndoOptions options_;
   std::deque<Entry> entries_;  // oldest first

@@ -1,5 +1,8 @@
 #include "sdfgrid/grid/bricks.h"
 
+#include <algorithm>
+
+#include "sdfgrid/grid/paint.h"
 #include "sdfgrid/grid/vdb.h"
 
 namespace sdfgrid {
@@ -45,6 +48,31 @@ void GridBricks::drop(const glm::ivec3& brick, float value) {
   access_->values.tree().clearAllAccessors();
 }
 
+const std::int32_t* GridBricks::paint(const glm::ivec3& brick) const {
+  const openvdb::Int32Grid::Ptr& paint = grid_.storage().paint;
+  const auto* leaf = paint ? paint->tree().probeConstLeaf(corner(brick)) : nullptr;
+  return leaf != nullptr ? leaf->buffer().data() : nullptr;
+}
+
+void GridBricks::set_paint(const glm::ivec3& brick, const std::int32_t* materials) {
+  openvdb::Int32Grid::Ptr& paint = grid_.storage().paint;
+  const auto painted = [](std::int32_t material) { return material != 0; };
+  if (materials == nullptr || std::none_of(materials, materials + kBrickSamples, painted)) {
+    if (paint) paint->tree().addTile(1, corner(brick), 0, false);
+    return;
+  }
+  if (!paint) {
+    paint = openvdb::Int32Grid::create(0);
+    paint->setTransform(vdb(grid_)->transform().copy());
+    paint->setName(kPaintName);
+  }
+  auto* leaf = paint->tree().touchLeaf(corner(brick));
+  for (int i = 0; i < kBrickSamples; ++i) {
+    leaf->setValueOnly(i, materials[i]);
+    leaf->setActiveState(i, painted(materials[i]));
+  }
+}
+
 std::vector<glm::ivec3> all_bricks(const Grid& grid) {
   std::vector<glm::ivec3> bricks;
   const Tree& tree = vdb(grid)->tree();
@@ -59,6 +87,7 @@ std::vector<glm::ivec3> all_bricks(const Grid& grid) {
 void compact(const Grid& grid) {
   vdb(grid)->tree().clearAllAccessors();
   vdb(grid)->pruneGrid();
+  if (grid.storage().paint) grid.storage().paint->pruneGrid();
 }
 
 BandLimits band_limits(const Grid& grid) {

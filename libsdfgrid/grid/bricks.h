@@ -38,6 +38,12 @@ class GridBricks {
   // Puts one inactive value in place of the brick.
   void drop(const glm::ivec3& brick, float value);
 
+  // The materials of its kBrickSamples samples (grid/paint.h); null where none is painted. Good
+  // until that brick is painted again.
+  [[nodiscard]] const std::int32_t* paint(const glm::ivec3& brick) const;
+  // Null, or no material but 0, takes the brick's paint away.
+  void set_paint(const glm::ivec3& brick, const std::int32_t* materials);
+
  private:
   struct Access;
   Grid grid_;

@@ -32,7 +32,9 @@ std::size_t Grid::active_voxels() const { return storage_->vdb->activeVoxelCount
 
 std::size_t Grid::bricks() const { return storage_->vdb->tree().leafCount(); }
 
-std::size_t Grid::bytes() const { return storage_->vdb->memUsage(); }
+std::size_t Grid::bytes() const {
+  return storage_->vdb->memUsage() + (storage_->paint ? storage_->paint->memUsage() : 0);
+}
 
 void Grid::active_bounds(glm::ivec3& lo, glm::ivec3& hi) const {
   const openvdb::CoordBBox box = storage_->vdb->evalActiveVoxelBoundingBox();
@@ -85,6 +87,7 @@ void Grid::remove_metadata(const std::string& key) { storage_->vdb->removeMeta(k
 Grid Grid::clone() const {
   auto storage = std::make_shared<GridStorage>();
   storage->vdb = storage_->vdb->deepCopy();
+  if (storage_->paint) storage->paint = storage_->paint->deepCopy();
   return Grid(storage);
 }
 

@@ -27,7 +27,7 @@ class Grid {
   [[nodiscard]] bool is_level_set() const;  // signed, negative inside; else distances without sign
   [[nodiscard]] std::size_t active_voxels() const;
   [[nodiscard]] std::size_t bricks() const;  // 8^3 leaves
-  [[nodiscard]] std::size_t bytes() const;   // memory of tree and voxels
+  [[nodiscard]] std::size_t bytes() const;   // memory of trees and voxels, paint included
   // Index box of the active voxels, inclusive; lo > hi if there are none.
   void active_bounds(glm::ivec3& lo, glm::ivec3& hi) const;
   // World box of the active voxels; empty if there are none.

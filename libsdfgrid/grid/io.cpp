@@ -15,6 +15,7 @@
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/grid/grid.h"
 #include "sdfgrid/grid/nanovdb.h"
+#include "sdfgrid/grid/paint.h"
 #include "sdfgrid/grid/vdb.h"
 
 namespace sdfgrid {
@@ -73,13 +74,18 @@ class StreamArchive : public openvdb::io::Archive {
   }
 };
 
-// The grid of the file that suits best.
+bool is_paint(const openvdb::GridBase& grid) {
+  return grid.getName() == kPaintName && grid.isType<openvdb::Int32Grid>();
+}
+
+// The grid of the file that suits best, with its paint.
 Grid read_best(const std::string& path, int (*score_of)(const openvdb::GridBase& grid)) {
   openvdb::initialize();
   if (!std::filesystem::exists(path)) {
     throw input_error(path, "", "no such file", "check the path");
   }
   openvdb::GridBase::Ptr best;
+  openvdb::GridBase::Ptr paint;
   try {
     openvdb::io::File file(path);
     file.open(false);
@@ -87,7 +93,9 @@ Grid read_best(const std::string& path, int (*score_of)(const openvdb::GridBase&
     int best_score = 0;
     // Names as the file's index has them: several grids may share one otherwise.
     for (auto at = file.beginName(); at != file.endName(); ++at) {
-      const int score = score_of(*file.readGridMetadata(at.gridName()));
+      const openvdb::GridBase::Ptr known = file.readGridMetadata(at.gridName());
+      if (is_paint(*known)) paint = file.readGrid(at.gridName());
+      const int score = score_of(*known);
       if (score > best_score) {
         best_score = score;
         name = at.gridName();
@@ -102,13 +110,20 @@ Grid read_best(const std::string& path, int (*score_of)(const openvdb::GridBase&
   if (!best || !best->isType<openvdb::FloatGrid>()) {
     throw input_error(path, "", "it holds no float grid", "give a level set or distance grid");
   }
-  return from_vdb(openvdb::gridPtrCast<openvdb::FloatGrid>(best), path);
+  Grid grid = from_vdb(openvdb::gridPtrCast<openvdb::FloatGrid>(best), path);
+  if (paint && paint->transform() == best->transform()) {
+    grid.storage().paint = openvdb::gridPtrCast<openvdb::Int32Grid>(paint);
+  }
+  return grid;
 }
 
 void write_openvdb(const Grid& grid, std::ostream& out) {
   StreamArchive archive;
   archive.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
-  archive.write_to(out, {vdb(grid)});
+  openvdb::GridCPtrVec grids = {vdb(grid)};
+  const openvdb::Int32Grid::Ptr& paint = grid.storage().paint;
+  if (paint && !paint->tree().empty() && paint->activeVoxelCount() > 0) grids.push_back(paint);
+  archive.write_to(out, grids);
 }
 
 }  // namespace

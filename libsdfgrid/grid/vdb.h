@@ -10,6 +10,8 @@ namespace sdfgrid {
 
 struct GridStorage {
   openvdb::FloatGrid::Ptr vdb;
+  openvdb::Int32Grid::Ptr
+      paint;  // the samples' materials (grid/paint.h); null where none is painted
 };
 
 [[nodiscard]] inline openvdb::FloatGrid::Ptr vdb(const Grid& grid) { return grid.storage().vdb; }

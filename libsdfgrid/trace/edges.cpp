@@ -13,8 +13,8 @@ constexpr double kStep = 0.7;  // sine between a surface and the line from it to
 
 class EdgeFinder {
  public:
-  EdgeFinder(const HitBuffer& hits, const std::vector<glm::vec3>& normals, const Camera& camera)
-      : hits_(hits), normals_(normals), rays_(camera) {}
+  EdgeFinder(const HitBuffer& hits, const Picture& picture, const Camera& camera)
+      : hits_(hits), normals_(picture.normal), materials_(picture.material), rays_(camera) {}
 
   [[nodiscard]] bool is_edge(int x, int y) const {
     return (x > 0 && differ(x, y, x - 1, y)) || (x + 1 < hits_.width && differ(x, y, x + 1, y)) ||
@@ -38,6 +38,7 @@ class EdgeFinder {
     const bool hit_b = std::isfinite(hits_.depth[b]);
     if (hit_a != hit_b) return true;
     if (!hit_a) return false;
+    if (materials_[a] != materials_[b]) return true;
     if (glm::dot(normals_[a], normals_[b]) < kCrease) return true;
     const glm::dvec3 line = point(bx, by) - point(ax, ay);
     const double step = std::max(std::abs(glm::dot(line, glm::dvec3(normals_[a]))),
@@ -47,14 +48,15 @@ class EdgeFinder {
 
   const HitBuffer& hits_;
   const std::vector<glm::vec3>& normals_;
+  const std::vector<int>& materials_;
   RayGenerator rays_;
 };
 
 }  // namespace
 
-std::vector<std::uint8_t> edge_pixels(const HitBuffer& hits, const std::vector<glm::vec3>& normals,
+std::vector<std::uint8_t> edge_pixels(const HitBuffer& hits, const Picture& picture,
                                       const Camera& camera, const Job& job) {
-  const EdgeFinder finder(hits, normals, camera);
+  const EdgeFinder finder(hits, picture, camera);
   std::vector<std::uint8_t> edges(hits.size());
   parallel_for(static_cast<std::size_t>(hits.height), 8, job,
                [&](std::size_t begin, std::size_t end) {

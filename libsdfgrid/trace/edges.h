@@ -2,18 +2,17 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <vector>
 
 #include "sdfgrid/core/job.h"
-#include "sdfgrid/trace/trace.h"
+#include "sdfgrid/trace/shade.h"
 
 namespace sdfgrid {
 
 // 1 for pixels that have a silhouette or a crease between them and one of their four neighbours:
-// one is hit and the other not, or the surfaces they see do not continue each other.
-[[nodiscard]] std::vector<std::uint8_t> edge_pixels(const HitBuffer& hits,
-                                                    const std::vector<glm::vec3>& normals,
+// one is hit and the other not, the surfaces they see do not continue each other, or they are of
+// different materials.
+[[nodiscard]] std::vector<std::uint8_t> edge_pixels(const HitBuffer& hits, const Picture& picture,
                                                     const Camera& camera, const Job& job);
 
 }  // namespace sdfgrid

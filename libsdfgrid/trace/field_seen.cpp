@@ -24,7 +24,9 @@ glm::vec3 normal_of(const Field& field, const glm::dvec3& p) {
 
 SeenField::SeenField(const FieldTracer& tracer, std::vector<Material> materials,
                      const Material& other, double tolerance)
-    : tracer_(tracer), materials_(std::move(materials)), other_(other), tolerance_(tolerance) {}
+    : tracer_(tracer), materials_(std::move(materials)), other_(other), tolerance_(tolerance) {
+  for (std::size_t i = 0; i < materials_.size(); ++i) materials_[i].index = static_cast<int>(i) + 1;
+}
 
 void SeenField::trace(std::span<const Ray> rays, std::span<float> depth) const {
   tracer_.trace(rays, tolerance_, depth, {});

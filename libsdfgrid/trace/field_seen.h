@@ -10,7 +10,8 @@ namespace sdfgrid {
 
 class SeenField : public Seen {
  public:
-  // Field::tag_at() is the index of a surface's material; `other` is that of surfaces without.
+  // Field::tag_at() is the place of a surface's material, whose index becomes that plus one;
+  // `other` is that of surfaces without.
   // Keeps a reference to the tracer.
   SeenField(const FieldTracer& tracer, std::vector<Material> materials, const Material& other,
             double tolerance);

@@ -10,6 +10,7 @@
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/trace/atlas_seen.h"
 #include "sdfgrid/trace/edges.h"
 #include "sdfgrid/trace/shader.h"
 
@@ -49,7 +50,8 @@ void shade_row(const Shader& shader, const HitBuffer& hits, std::size_t y, Pictu
                   hits.depth[y * width + x]};
   }
   shader(samples, std::span(picture.color).subspan(y * width, width),
-         std::span(picture.normal).subspan(y * width, width));
+         std::span(picture.normal).subspan(y * width, width),
+         std::span(picture.material).subspan(y * width, width));
 }
 
 // The i-th of n places in a pixel, (i + 0.5) / n across and the bit-reversed i down (Hammersley).
@@ -59,30 +61,6 @@ Sample place_in_pixel(std::size_t x, std::size_t y, int i, int n) {
   for (int rest = i; rest > 0; rest >>= 1, digit *= 0.5) down += (rest & 1) != 0 ? digit : 0;
   return {static_cast<double>(x) + (i + 0.5) / n, static_cast<double>(y) + down + 0.5 / n, 0.0F};
 }
-
-// The surface of the atlas, all of one material.
-class SeenAtlas : public Seen {
- public:
-  SeenAtlas(const Atlas& atlas, const Material& material) : atlas_(atlas), material_(material) {}
-
-  void trace(std::span<const Ray> rays, std::span<float> depth) const override {
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      const auto hit = trace_ray(atlas_, rays[i]);
-      depth[i] = hit ? static_cast<float>(*hit) : std::numeric_limits<float>::infinity();
-    }
-  }
-  void describe(std::span<const glm::dvec3> points, std::span<glm::vec3> normals,
-                std::span<Material> materials) const override {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      normals[i] = normal_at(atlas_, points[i]);
-      materials[i] = material_;
-    }
-  }
-
- private:
-  const Atlas& atlas_;
-  const Material& material_;
-};
 
 // Replaces the colours of a row's edge pixels by the mean of n samples.
 void refine_row(const Shader& shader, const Seen& seen, const RayGenerator& rays,
@@ -103,7 +81,7 @@ void refine_row(const Shader& shader, const Seen& seen, const RayGenerator& rays
   seen.trace(through, depth);
   for (std::size_t i = 0; i < samples.size(); ++i) samples[i].depth = depth[i];
   std::vector<glm::vec3> colors(samples.size());
-  shader(samples, colors, {});
+  shader(samples, colors, {}, {});
   for (std::size_t p = 0; p < pixels.size(); ++p) {
     const auto first = colors.begin() + static_cast<std::ptrdiff_t>(p) * n;
     picture.color[pixels[p]] =
@@ -136,13 +114,14 @@ Picture shade(const Seen& seen, const Atlas& atlas, const Surroundings& surround
               const Camera& camera, const HitBuffer& hits, const Look& look, const Job& job) {
   check(camera, hits, look);
   const Shader shader(seen, atlas, surroundings, camera, look);
-  Picture picture{hits.width, hits.height, {}, {}, 0};
+  Picture picture{hits.width, hits.height, {}, {}, {}, 0};
   picture.color.resize(hits.size());
   picture.normal.resize(hits.size());
+  picture.material.resize(hits.size());
   for_rows(hits.height, "shade", job, [&](std::size_t y) { shade_row(shader, hits, y, picture); });
   if (look.samples == 1) return picture;
 
-  const std::vector<std::uint8_t> edges = edge_pixels(hits, picture.normal, camera, job);
+  const std::vector<std::uint8_t> edges = edge_pixels(hits, picture, camera, job);
   picture.refined = std::accumulate(edges.begin(), edges.end(), std::size_t{0});
   const RayGenerator rays(camera);
   for_rows(hits.height, "smooth edges", job,

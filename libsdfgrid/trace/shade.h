@@ -22,6 +22,7 @@ struct Material {
   glm::vec3 diffuse{0.62F, 0.51F, 0.41F};
   float specular = 0.12F;
   float exponent = 28;
+  int index = 0;  // what tells it from others: pixels between two of them are smoothed, too
 };
 
 // Light, in the units of the picture: 1 is a display's white.
@@ -49,6 +50,7 @@ struct Picture {
   int height = 0;
   std::vector<glm::vec3> color;   // linear light
   std::vector<glm::vec3> normal;  // at pixel centres; 0 where nothing is hit
+  std::vector<int> material;      // Material::index there; 0 where nothing is hit
   std::size_t refined = 0;        // pixels that took more samples
 };
 

@@ -184,7 +184,7 @@ void Shader::describe(std::span<const Kind> kinds, std::span<const glm::dvec3> w
 }
 
 void Shader::operator()(std::span<const Sample> samples, std::span<glm::vec3> colors,
-                        std::span<glm::vec3> normals) const {
+                        std::span<glm::vec3> normals, std::span<int> indices) const {
   std::vector<Kind> kinds(samples.size());
   std::vector<glm::dvec3> worlds(samples.size());
   std::vector<glm::vec3> directions(samples.size());
@@ -200,6 +200,7 @@ void Shader::operator()(std::span<const Sample> samples, std::span<glm::vec3> co
   describe(kinds, worlds, at, materials);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (!normals.empty()) normals[i] = kinds[i] == Kind::surface ? at[i] : glm::vec3(0.0F);
+    if (!indices.empty()) indices[i] = kinds[i] == Kind::surface ? materials[i].index : 0;
     if (kinds[i] == Kind::background) continue;
     points.add(i, glm::vec3(atlas_.lattice.to_index(worlds[i]) - base), at[i]);
   }

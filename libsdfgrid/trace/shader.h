@@ -21,9 +21,10 @@ class Shader {
   Shader(const Seen& seen, const Atlas& atlas, const Surroundings& surroundings,
          const Camera& camera, const Look& look);
 
-  // Colours and, unless `normals` is empty, normals of the samples. Safe to call from many threads.
+  // Colours and, unless they are empty, normals and indices of materials of the samples. Safe to
+  // call from many threads.
   void operator()(std::span<const Sample> samples, std::span<glm::vec3> colors,
-                  std::span<glm::vec3> normals) const;
+                  std::span<glm::vec3> normals, std::span<int> indices) const;
 
  private:
   struct Points;  // where light arrives, as the visibility kernel wants it

@@ -6,6 +6,7 @@ sdfgrid_test(edit_test SOURCES ${edit_grids} ${CMAKE_CURRENT_LIST_DIR}/combine_k
                                ${CMAKE_CURRENT_LIST_DIR}/clay_test.cpp
                                ${CMAKE_CURRENT_LIST_DIR}/live_atlas_test.cpp
                                ${CMAKE_CURRENT_LIST_DIR}/stamp_test.cpp
+                               ${CMAKE_CURRENT_LIST_DIR}/paint_test.cpp
                                ${CMAKE_CURRENT_LIST_DIR}/../app/process.cpp
              PACKAGES OpenVDB::openvdb)
 target_compile_definitions(edit_test PRIVATE SDFGRID_BINARY="$<TARGET_FILE:sdfgrid_app>")

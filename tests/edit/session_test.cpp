@@ -10,6 +10,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
 #include <sstream>
 
@@ -155,7 +156,7 @@ TEST(Session, UsesSnapshotsWhereTheirStrokesStand) {
   const std::string path = folder.path("s");
   create_session(path, ball_grid(12), Redistance::local);
   {
-    Session session(path, {false, 4}, Job());
+    Session session(path, {.snapshot_every = 4}, Job());
     for (std::size_t i = 0; i < 9; ++i) (void)session.apply(stroke(i), Job());
   }
   EXPECT_TRUE(std::filesystem::exists(path + "/snapshot-5.vdb"));
@@ -171,6 +172,54 @@ TEST(Session, UsesSnapshotsWhereTheirStrokesStand) {
   Session session(path, {}, Job());
   EXPECT_EQ(session.redo(6, Job()), 6U);
   EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(9));
+}
+
+TEST(SpillFile, GivesBackWhatItWasGivenAndReusesItsRoom) {
+  const Folder folder;
+  SpillFile file(folder.path(""));
+  std::mt19937 random(7);
+  std::map<std::size_t, std::vector<std::byte>> kept;
+  std::uint64_t bytes = 0;
+  std::uint64_t most = 0;
+  for (int step = 0; step < 3000; ++step) {
+    if (kept.empty() || random() % 2 == 0) {
+      std::vector<std::byte> some(random() % 2000 + 1);
+      for (std::byte& b : some) b = static_cast<std::byte>(random());
+      const std::size_t name = file.put(some);
+      ASSERT_FALSE(kept.contains(name));
+      bytes += some.size();
+      kept[name] = some;
+    } else {
+      const auto one = std::next(kept.begin(), static_cast<long>(random() % kept.size()));
+      ASSERT_EQ(file.get(one->first), one->second);
+      file.forget(one->first);
+      bytes -= one->second.size();
+      kept.erase(one);
+    }
+    most = std::max(most, bytes);
+    ASSERT_LE(file.bytes(), 2 * most + 4000) << step;
+  }
+  EXPECT_TRUE(folder.files().empty());  // it has no name, so nothing is left after a crash
+  for (const auto& [name, some] : kept) file.forget(name);
+  EXPECT_EQ(file.bytes(), 0U);
+}
+
+TEST(Session, UndoRecordsBeyondTheBudgetGoToTheDisk) {
+  const Folder folder;
+  const std::string path = folder.path("s");
+  create_session(path, ball_grid(12), Redistance::local);
+  SessionOptions options;
+  options.undo.full_bytes = 60000;
+  options.undo.packed_bytes = 20000;
+  Session session(path, options, Job());
+  for (std::size_t i = 0; i < 40; ++i) (void)session.apply(stroke(i), Job());
+  EXPECT_EQ(session.history().undoable(), 40U);  // none is forgotten
+  EXPECT_LT(session.history().bytes(), 200000U);
+  EXPECT_EQ(session.undo(33, Job()), 33U);
+  EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(7));
+  EXPECT_EQ(session.redo(20, Job()), 20U);
+  EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(27));
+  EXPECT_EQ(session.history().redoable(), 13U);
 }
 
 TEST(Session, ASecondProcessIsRefused) {
@@ -213,7 +262,7 @@ TEST(Session, DamageNamesTheRecordAndIsSalvaged) {
     EXPECT_NE(text.find("the 2 after"), std::string::npos) << text;
   }
   EXPECT_EQ(read_all(path + "/journal"), bytes);
-  Session session(path, {true, 500}, Job());
+  Session session(path, {.salvage = true}, Job());
   EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(3));
   EXPECT_EQ(read_all(path + "/journal.damaged"), bytes);
   EXPECT_EQ(session.warnings().size(), 1U);

@@ -12,6 +12,8 @@
 #include "render/scenes.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/grid/bricks.h"
+#include "sdfgrid/trace/atlas_seen.h"
 
 namespace sdfgrid {
 namespace {
@@ -282,6 +284,45 @@ TEST(Shade, RefusesWhatDoesNotFit) {
   cancelled.cancel();
   EXPECT_THROW((void)shade(shot.atlas, shot.surroundings, camera, shot.hits, Look(), cancelled),
                Error);
+}
+
+// Gives the samples with x < 0 material 3.
+void paint_left(const Grid& grid) {
+  GridBricks bricks(grid);
+  for (const glm::ivec3& brick : all_bricks(grid)) {
+    std::int32_t materials[kBrickSamples] = {};
+    for (int i = 0; i < kBrickSamples; ++i) materials[i] = 8 * brick.x + (i >> 6) < 0 ? 3 : 0;
+    bricks.set_paint(brick, materials);
+  }
+}
+
+TEST(Shade, PaintIsSeenWhereItIsAndItsBorderIsSmooth) {
+  const Grid grid = unit_sphere();
+  const Camera camera = camera_at({0, 0, 4}, {0, 0, 0}, 40, 200);
+  Look look = only_sky();
+  look.samples = 8;
+  const Shot plain = shoot(grid, camera, look);
+  paint_left(grid);
+  const SeenAtlas seen(plain.atlas, look.material, grid);
+  const Picture painted =
+      shade(seen, plain.atlas, plain.surroundings, camera, plain.hits, look, Job());
+  // The border lies half a voxel left of the axis, whose place in the picture is x = 100.
+  const double pixels_a_voxel = 100 / std::tan(glm::radians(20.0)) / 3 / 32;
+  const int border = static_cast<int>(std::floor(100 - 0.5 * pixels_a_voxel));
+  const auto at = [](int x) { return std::size_t{100} * 200 + x; };
+  for (int x = 60; x < 140; ++x) {
+    if (x == border) continue;
+    EXPECT_EQ(painted.material[at(x)], x < border ? 3 : 0) << x;
+    EXPECT_EQ(plain.picture.material[at(x)], 0);
+    if (std::abs(x - border) < 2) continue;
+    const glm::vec3 white = plain.picture.color[at(x)];
+    const glm::vec3 expected = x < border ? white * paint_look(3).diffuse : white;
+    EXPECT_LT(glm::length(painted.color[at(x)] - expected), 1e-5F) << x;
+  }
+  EXPECT_GT(painted.refined, plain.picture.refined + 200);  // two pixels a row of the border
+  const float red = painted.color[at(border)].r;
+  EXPECT_GT(red, painted.color[at(border - 3)].r);
+  EXPECT_LT(red, painted.color[at(border + 3)].r);
 }
 
 }  // namespace

@@ -1,0 +1,39 @@
+// grid/paint.h: paint: a material index for each sample near the surface of a grid, 0 for what is
+// not painted. It stands in a grid of its own beside the distances, in memory and in the file
+// (`material`, 32-bit integers, active where painted); a grid without paint has none.
+#pragma once
+
+#include <cstddef>
+#include <glm/vec3.hpp>
+#include <map>
+#include <memory>
+
+#include "sdfgrid/grid/grid.h"
+
+namespace sdfgrid {
+
+inline constexpr const char* kPaintName = "material";
+inline constexpr int kMostMaterial = 255;
+
+// How many samples each material has that is painted; empty for a grid without paint.
+[[nodiscard]] std::map<int, std::size_t> paint_counts(const Grid& grid);
+
+// Looks materials up. One object serves one thread, and none beside one who paints.
+class PaintReader {
+ public:
+  explicit PaintReader(const Grid& grid);
+  PaintReader(const PaintReader&) = delete;
+  PaintReader& operator=(const PaintReader&) = delete;
+  ~PaintReader();
+
+  // The material at a world point: of the eight samples around it that which has most trilinear
+  // weight, of equals the least.
+  [[nodiscard]] int at(const glm::dvec3& world) const;
+
+ private:
+  struct Access;
+  Grid grid_;
+  std::unique_ptr<Access> access_;  // null for a grid without paint
+};
+
+}  // namespace sdfgrid
