@@ -14,6 +14,8 @@ sdfgrid_test(redistance_test LABEL heavy
              SOURCES ${edit_grids} ${CMAKE_CURRENT_LIST_DIR}/redistance_test.cpp
                      ${CMAKE_CURRENT_LIST_DIR}/surface_oracle.cpp
              PACKAGES OpenVDB::openvdb)
+sdfgrid_test(algebra_test SOURCES ${edit_grids} ${CMAKE_CURRENT_LIST_DIR}/algebra_test.cpp
+             PACKAGES OpenVDB::openvdb)
 # The kill -9 loop and the full disk run a program of their own.
 add_executable(session_child ${CMAKE_CURRENT_LIST_DIR}/session_child.cpp)
 target_link_libraries(session_child PRIVATE sdfgrid sdfgrid_flags)

@@ -66,5 +66,49 @@ TEST_F(SculptApp, UndoneStrokesLeaveTheGridThatWas) {
   EXPECT_EQ(run({"compare", out_, grid_, "--tolerance", "0.02", "--quiet"}).exit, 3);
 }
 
+// Of many strokes it says how far it is, and goes on upwards.
+TEST_F(SculptApp, ShowsProgressOverManyStrokes) {
+  std::string text = "sdfgrid-strokes: 1\nstrokes:\n";
+  for (int i = 0; i < 500; ++i) {
+    text += "  - {op: difference, brush: {sphere: {radius: 0.05}}, path: [[" +
+            std::to_string(0.002 * i) + ", 0.3, 1]]}\n";
+  }
+  const std::string many = folder_.write("many.yaml", text);
+  const Outcome outcome = run({"sculpt", grid_, "--strokes", many, "-o", out_});
+  ASSERT_EQ(outcome.exit, 0) << outcome.error;
+  double last = -1;
+  int lines = 0;
+  for (std::size_t at = outcome.error.find("sculpt "); at != std::string::npos;
+       at = outcome.error.find("sculpt ", at + 1)) {
+    const double percent = std::stod(outcome.error.substr(at + 7));
+    EXPECT_GE(percent, last);
+    last = percent;
+    ++lines;
+  }
+  EXPECT_GT(lines, 0) << outcome.error;
+}
+
+TEST_F(SculptApp, StampsAndPaintReachTheFile) {
+  const std::string dots = folder_.write(
+      "dots.yaml",
+      "sdfgrid-strokes: 1\nstrokes:\n"
+      "  - {op: stamp, brush: {scale: {by: 0.3, of: {grid: {file: cube.vdb}}}}, path: [[0.9, 0.9, "
+      "0.9]]}\n"
+      "  - {op: paint, material: 3, brush: {sphere: {radius: 0.3}}, path: [[0, 0, 0]]}\n");
+  const std::string session = folder_.path("session");
+  ASSERT_EQ(run({"sculpt", grid_, "--strokes", dots, "--session", session}).exit, 0);
+  // Begun again with the same file, there is nothing left to do.
+  const Outcome again = run(
+      {"sculpt", "--session", session, "--resume", "--strokes", dots, "--export", out_, "--json"});
+  ASSERT_EQ(again.exit, 0) << again.error;
+  EXPECT_EQ(json::parse(again.out)["strokes"], 0);
+  EXPECT_EQ(json::parse(again.out)["standing"], 2);
+  const json info = json::parse(run({"info", out_, "--json"}).out);
+  EXPECT_GT(info["paint"]["3"], 100);
+  EXPECT_GT(info["bounds"][1][0], 1.1);  // the small cube on the corner
+  const std::string picture = folder_.path("picture.exr");
+  EXPECT_EQ(run({"render", out_, "-o", picture, "--size", "32x32", "--aov", "id"}).exit, 0);
+}
+
 }  // namespace
 }  // namespace sdfgrid::test

@@ -293,7 +293,7 @@ TEST(Sculptor, RefusesWhatMakesNoSense) {
   refused(ball_stroke(StrokeOp::unite, {0, 0, 0}, 0), "radius");
   refused(ball_stroke(StrokeOp::unite, {0, 0, 0}, -3), "radius");
   refused(ball_stroke(StrokeOp::unite, {NAN, 0, 0}, 3), "finite");
-  refused(ball_stroke(StrokeOp::unite, {0, 0, 0}, 1e6), "bricks");
+  refused(ball_stroke(StrokeOp::unite, {0, 0, 0}, 1e6), "8.2e+15 bricks (1.8e+10 GB)");
   Stroke stroke = ball_stroke(StrokeOp::unite, {0, 0, 0}, 3);
   stroke.spacing = 0;
   refused(stroke, "spacing");

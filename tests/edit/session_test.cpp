@@ -312,6 +312,7 @@ class Child {
     ::waitpid(pid_, nullptr, 0);
     pid_ = -1;
   }
+  [[nodiscard]] pid_t id() const { return pid_; }
   int wait() {
     int status = 0;
     ::waitpid(pid_, &status, 0);
@@ -323,6 +324,20 @@ class Child {
   pid_t pid_ = -1;
   std::FILE* out_ = nullptr;
 };
+
+// The binary on a session that another process holds.
+TEST(SessionCrash, ASecondProcessIsRefusedUntilTheFirstEnds) {
+  const Folder folder;
+  const std::string path = folder.path("s");
+  create_session(path, ball_grid(12), Redistance::local);
+  Child child({path});
+  ASSERT_GE(child.next(), 0);
+  const Outcome refused = run({"sculpt", "--session", path, "--log"});
+  EXPECT_EQ(refused.exit, 1) << refused.error;
+  EXPECT_NE(refused.error.find(std::to_string(child.id())), std::string::npos) << refused.error;
+  child.kill();
+  EXPECT_EQ(run({"sculpt", "--session", path, "--log", "--quiet"}).exit, 0);
+}
 
 TEST(SessionCrash, KilledTwoHundredTimesItLosesNothing) {
   const Folder folder;
