@@ -1,4 +1,6 @@
 // sdfgrid render: a grid, a mesh, a volume or a scene to a picture.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +14,7 @@
 #include "options.h"
 #include "scenes.h"
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/core/memory.h"
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/grid/atlas.h"
 #include "sdfgrid/grid/convert.h"
@@ -316,6 +319,11 @@ void trace_and_shade(const Options& options, const Content& content,
 Exit run(Options options, Context& context) {
   check_output(options.output);
   check_aovs(options);
+  // Hits, picture, image and its file are there at once.
+  constexpr double kBytesPerPixel = 80;
+  check_fits(kBytesPerPixel * options.width * options.height,
+             fmt::format("a picture of {} x {} pixels", options.width, options.height),
+             "ask for a smaller --size");
   const Job& job = context.job();
   Stopwatch watch;
   const Content content = load_content(options, context);

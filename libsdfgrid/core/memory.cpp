@@ -1,13 +1,19 @@
 #include "sdfgrid/core/memory.h"
 
+#include <fmt/format.h>
 #include <malloc.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <string>
+
+#include "sdfgrid/core/error.h"
 
 namespace sdfgrid {
 namespace {
@@ -23,13 +29,55 @@ double bytes_of(const char* file, const std::string& line) {
   return -1;
 }
 
-}  // namespace
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
-double available_memory() {
+double machine_memory() {
   const double available = bytes_of("/proc/meminfo", "MemAvailable:");
   if (available >= 0) return available;
   return static_cast<double>(::sysconf(_SC_PHYS_PAGES)) *
          static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
+// The number that a file begins with; `otherwise` if there is none, as in "max".
+double number_in(const std::filesystem::path& file, double otherwise) {
+  std::ifstream in(file);
+  double number = 0;
+  return in >> number ? number : otherwise;
+}
+
+// What the program's control groups (version 2) leave: its own and those around it.
+double group_memory() {
+  std::ifstream groups("/proc/self/cgroup");
+  double least = kUnlimited;
+  for (std::string line; std::getline(groups, line);) {
+    if (!line.starts_with("0::/")) continue;
+    const std::filesystem::path root = "/sys/fs/cgroup";
+    std::filesystem::path group = (root / line.substr(4)).lexically_normal();
+    for (; group.string().size() >= root.string().size(); group = group.parent_path()) {
+      const double limit = number_in(group / "memory.max", kUnlimited);
+      least = std::min(least, limit - number_in(group / "memory.current", 0));
+    }
+  }
+  return std::max(least, 0.0);
+}
+
+double address_space() {
+  ::rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kUnlimited;
+  const double used = bytes_of("/proc/self/status", "VmSize:");
+  return std::max(static_cast<double>(limit.rlim_cur) - used, 0.0);
+}
+
+}  // namespace
+
+double available_memory() { return std::min({machine_memory(), group_memory(), address_space()}); }
+
+void check_fits(double bytes, const std::string& what, const std::string& remedy) {
+  const double available = available_memory();
+  if (bytes <= available) return;
+  throw Error(ErrorKind::failed,
+              fmt::format("{} takes about {:.1f} GB of memory, {:.1f} GB are free; {}", what,
+                          1e-9 * bytes, 1e-9 * available, remedy));
 }
 
 void prefer_large_pages(void* begin, std::size_t bytes) {

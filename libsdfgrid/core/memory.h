@@ -3,11 +3,17 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 namespace sdfgrid {
 
-// Bytes that the machine can still hand out, the page cache included.
+// Bytes that the program can still get, the page cache included: the least of what the machine has
+// left and what its control groups (containers) and its limit of address space leave.
 [[nodiscard]] double available_memory();
+
+// Throws Error{failed} where work would take more than that, before it starts: "WHAT takes about N
+// GB of memory, M GB are free; REMEDY".
+void check_fits(double bytes, const std::string& what, const std::string& remedy);
 
 // Asks the system for large pages in memory that was not written to yet: for work that jumps about
 // in it, as each small page is looked up by itself. Does nothing where there are none.

@@ -6,6 +6,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <thread>
 
 namespace sdfgrid {
@@ -23,6 +24,16 @@ void parallel_for(std::size_t size, std::size_t grain, const Job& job,
           body(range.begin(), range.end());
         },
         tbb::simple_partitioner());
+  });
+}
+
+void parallel_for(std::string_view step, std::size_t size, std::size_t grain, const Job& job,
+                  const std::function<void(std::size_t begin, std::size_t end)>& body) {
+  std::atomic<std::size_t> done{0};
+  parallel_for(size, grain, job, [&](std::size_t begin, std::size_t end) {
+    body(begin, end);
+    const std::size_t so_far = done += end - begin;
+    job.report(step, static_cast<double>(so_far) / static_cast<double>(size));
   });
 }
 

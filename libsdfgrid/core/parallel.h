@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <string_view>
 
 #include "sdfgrid/core/job.h"
 
@@ -15,6 +16,11 @@ namespace sdfgrid {
 // Which thread takes which range is not defined: a body that writes only to its own items gives the
 // same result at any number of threads.
 void parallel_for(std::size_t size, std::size_t grain, const Job& job,
+                  const std::function<void(std::size_t begin, std::size_t end)>& body);
+
+// The same, and reports after each range how much is done of the step that `step` names (a literal:
+// who shows progress keeps the pointer).
+void parallel_for(std::string_view step, std::size_t size, std::size_t grain, const Job& job,
                   const std::function<void(std::size_t begin, std::size_t end)>& body);
 
 // Holds the number of threads that parallel_for uses while it lives; 0 means all cores.

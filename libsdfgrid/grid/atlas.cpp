@@ -119,17 +119,18 @@ void Builder::mark_slots() {
   const glm::ivec3 dims = atlas_.dims;
   atlas_.bricks.resize(static_cast<std::size_t>(dims.x) * dims.y * dims.z);
   slots_.resize(leaves_.size());
-  parallel_for(static_cast<std::size_t>(dims.x), 1, job_, [&](std::size_t begin, std::size_t end) {
-    const openvdb::tree::ValueAccessor<const Tree> values(tree_);
-    for (int x = int(begin); x < int(end); ++x) {
-      for (int y = 0; y < dims.y; ++y) {
-        for (int z = 0; z < dims.z; ++z) {
-          const bool inside = values.getValue(corner(atlas_.lo + glm::ivec3(x, y, z))) < 0;
-          atlas_.bricks[atlas_.place({x, y, z})] = inside ? Atlas::kInside : Atlas::kOutside;
+  parallel_for(
+      "atlas", static_cast<std::size_t>(dims.x), 1, job_, [&](std::size_t begin, std::size_t end) {
+        const openvdb::tree::ValueAccessor<const Tree> values(tree_);
+        for (int x = int(begin); x < int(end); ++x) {
+          for (int y = 0; y < dims.y; ++y) {
+            for (int z = 0; z < dims.z; ++z) {
+              const bool inside = values.getValue(corner(atlas_.lo + glm::ivec3(x, y, z))) < 0;
+              atlas_.bricks[atlas_.place({x, y, z})] = inside ? Atlas::kInside : Atlas::kOutside;
+            }
+          }
         }
-      }
-    }
-  });
+      });
   for (std::size_t i = 0; i < leaves_.size(); ++i) {
     slots_[i] = brick_of(leaves_[i]->origin()) - atlas_.lo;
     atlas_.bricks[atlas_.place(slots_[i])] = static_cast<std::int32_t>(i);
@@ -231,7 +232,7 @@ void Builder::crossing_first() {
 void Builder::fill_bricks() {
   resize_in_large_pages(atlas_.samples, order_.size() * Atlas::kSamples);
   resize_in_large_pages(atlas_.hops, std::size_t(atlas_.crossing) * Atlas::kHops);
-  parallel_for(order_.size(), 64, job_, [&](std::size_t begin, std::size_t end) {
+  parallel_for("atlas", order_.size(), 64, job_, [&](std::size_t begin, std::size_t end) {
     const openvdb::tree::ValueAccessor<const Tree> values(tree_);
     for (std::size_t i = begin; i < end; ++i) {
       float* samples = atlas_.samples.data() + i * Atlas::kSamples;

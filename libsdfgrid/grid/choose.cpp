@@ -44,7 +44,8 @@ class Search {
       choice_.trials.push_back(trial);
       if (quicker && within(trial)) take(made, trial);
     } catch (const Error& error) {
-      if (error.kind() != ErrorKind::usage) throw;  // a band that the method cannot do
+      // A band that the method cannot do, or memory that only it would need.
+      if (error.kind() != ErrorKind::usage && error.kind() != ErrorKind::failed) throw;
     }
   }
 
@@ -53,8 +54,11 @@ class Search {
     ConvertOptions convert = convert_;
     convert.voxel = 0;
     convert.dim = dim;
-    const double bytes = estimate_memory(soup_, choose_lattice(soup_, convert), convert_.band);
-    if (options_.budget_bytes > 0 && bytes > options_.budget_bytes) {
+    const double bytes = estimate_memory(soup_, choose_lattice(soup_, convert), convert);
+    const double allowed = allowed_memory(convert);
+    const double budget =
+        options_.budget_bytes > 0 ? std::min(options_.budget_bytes, allowed) : allowed;
+    if (bytes > budget) {
       return fmt::format("{} voxels along the longest side would take about {:.0f} MB of memory",
                          dim, 1e-6 * bytes);
     }

@@ -48,7 +48,7 @@ ErrorSummary one_way(const TriangleSoup& from, const ReferenceDistance& to,
                      const CompareOptions& options, const Job& job) {
   const SurfacePoints points(from);
   std::vector<SampleError> errors(std::max<std::size_t>(options.samples, 1));
-  parallel_for(errors.size(), 512, job, [&](std::size_t begin, std::size_t end) {
+  parallel_for("compare", errors.size(), 512, job, [&](std::size_t begin, std::size_t end) {
     std::optional<glm::dvec3> known;
     for (std::size_t i = begin; i < end; ++i) {
       const glm::dvec3 p = points.at(i, errors.size(), options.seed);

@@ -48,9 +48,10 @@ inline constexpr double kConvertError = 1e-5;
 // sense.
 [[nodiscard]] Lattice choose_lattice(const TriangleSoup& soup, const ConvertOptions& options);
 
-// About how many bytes convert_mesh will take at its peak.
+// About how many bytes convert_mesh will take at its peak, and how many it may.
 [[nodiscard]] double estimate_memory(const TriangleSoup& soup, const Lattice& lattice,
-                                     const Band& band);
+                                     const ConvertOptions& options);
+[[nodiscard]] double allowed_memory(const ConvertOptions& options);
 
 // Exact distances (or what the transform makes of exact ones beside the surface) at every lattice
 // point of the band, sign included; beyond the band plus and minus

@@ -59,13 +59,10 @@ Volume to_volume(const Grid& grid, int margin) {
   volume.dims = hi - lo + 1;
   volume.spacing = glm::dvec3(lattice.voxel);
   volume.origin = lattice.to_world(glm::dvec3(lo));
-  const double bytes = static_cast<double>(volume.size()) * sizeof(float);
-  if (bytes > available_memory()) {
-    throw Error(ErrorKind::failed,
-                fmt::format("a dense volume of {} x {} x {} samples takes {:.1f} GB; write a .vdb, "
-                            "or use larger voxels",
-                            volume.dims.x, volume.dims.y, volume.dims.z, 1e-9 * bytes));
-  }
+  check_fits(static_cast<double>(volume.size()) * sizeof(float),
+             fmt::format("a dense volume of {} x {} x {} samples", volume.dims.x, volume.dims.y,
+                         volume.dims.z),
+             "write a .vdb, or use larger voxels");
   std::vector<float> samples(volume.size());
   using View = openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ>;
   View view(openvdb::CoordBBox({lo.x, lo.y, lo.z}, {hi.x, hi.y, hi.z}), samples.data());

@@ -158,12 +158,7 @@ void allocate(const std::string& path, const PictureSpec& first, std::size_t sli
   }
   volume.dims = {first.width, first.height, static_cast<int>(slices)};
   const auto bytes = static_cast<double>(volume.size() * bytes_per_sample(volume.samples));
-  if (bytes > available_memory()) {
-    throw Error(ErrorKind::failed,
-                fmt::format("{}: reading it takes {:.1f} GB of memory, {:.1f} GB are free; scale "
-                            "the slices down",
-                            path, 1e-9 * bytes, 1e-9 * available_memory()));
-  }
+  check_fits(bytes, path + ": reading it", "scale the slices down");
   std::visit([&](auto& values) { values.resize(volume.size()); }, volume.samples);
 }
 

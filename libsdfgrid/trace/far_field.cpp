@@ -154,7 +154,7 @@ FarField layout(const std::vector<glm::vec3>& points, int nodes) {
 
 std::vector<glm::vec3> surface_points(const Atlas& atlas, const Job& job) {
   std::vector<std::vector<glm::vec3>> planes(static_cast<std::size_t>(atlas.dims.x));
-  parallel_for(planes.size(), 1, job, [&](std::size_t begin, std::size_t end) {
+  parallel_for("light", planes.size(), 1, job, [&](std::size_t begin, std::size_t end) {
     for (std::size_t x = begin; x < end; ++x) {
       for (int y = 0; y < atlas.dims.y; ++y) {
         for (int z = 0; z < atlas.dims.z; ++z) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <numeric>
@@ -30,15 +29,13 @@ void check(const Camera& camera, const HitBuffer& hits, const Look& look) {
   }
 }
 
-// Runs row(y) for all rows of a picture, and reports how far it is.
+// Runs row(y) for all rows of a picture.
 template <class Row>
 void for_rows(int height, std::string_view step, const Job& job, const Row& row) {
-  std::atomic<int> done{0};
-  parallel_for(static_cast<std::size_t>(height), 1, job, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t y = begin; y < end; ++y) row(y);
-    const int rows = done += static_cast<int>(end - begin);
-    job.report(step, static_cast<double>(rows) / height);
-  });
+  parallel_for(step, static_cast<std::size_t>(height), 1, job,
+               [&](std::size_t begin, std::size_t end) {
+                 for (std::size_t y = begin; y < end; ++y) row(y);
+               });
 }
 
 // One sample through the centre of every pixel of a row.

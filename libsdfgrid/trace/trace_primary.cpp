@@ -176,7 +176,7 @@ HitBuffer trace_primary(const Atlas& atlas, const Camera& camera, const Job& job
   hits.steps.assign(pixels, 0);
   const Tracer tracer(atlas, camera, hits);
   if (atlas.bricks.empty()) return hits;
-  parallel_for(tracer.tiles(), kTask, job,
+  parallel_for("trace", tracer.tiles(), kTask, job,
                [&](std::size_t begin, std::size_t end) { tracer.trace_tiles(begin, end); });
   return hits;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <glm/common.hpp>
@@ -221,8 +220,7 @@ std::vector<LayerMesh> make_layers(const InsideField& field,
     first[n + 1] = first[n] + static_cast<std::uint32_t>(counts[n]);
   }
   std::vector<LayerMesh> meshes(samples - 1);
-  std::atomic<std::size_t> done{0};
-  parallel_for(meshes.size(), 1, job, [&](std::size_t begin, std::size_t end) {
+  parallel_for("isosurface", meshes.size(), 1, job, [&](std::size_t begin, std::size_t end) {
     std::array<std::vector<float>, 2> layers;
     std::vector<float> next;
     std::array<LayerEdges, 2> edges;
@@ -238,7 +236,6 @@ std::vector<LayerMesh> make_layers(const InsideField& field,
         add_crossings(field, layers[0], layers[1], k, meshes[n]);
         add_cells(field, layers, edges, k, meshes[n]);
       }
-      job.report("isosurface", static_cast<double>(++done) / static_cast<double>(meshes.size()));
     }
   });
   return meshes;

@@ -75,12 +75,7 @@ void check_claim(const std::string& path, std::uint64_t claimed, std::uint64_t a
 void allocate(const std::string& path, Volume& volume, int copies) {
   const double bytes = static_cast<double>(volume.size()) *
                        static_cast<double>(bytes_per_sample(volume.samples)) * (1.0 + copies);
-  if (bytes > available_memory()) {
-    throw Error(ErrorKind::failed,
-                fmt::format("{}: reading it takes {:.1f} GB of memory, {:.1f} GB are free; cut or "
-                            "scale the volume down",
-                            path, 1e-9 * bytes, 1e-9 * available_memory()));
-  }
+  check_fits(bytes, path + ": reading it", "cut or scale the volume down");
   std::visit([&](auto& values) { values.resize(volume.size()); }, volume.samples);
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <glm/common.hpp>
 #include <unordered_set>
@@ -148,8 +147,7 @@ EmptySpace sign_empty_space(const WindingNumber& winding, const Lattice& lattice
     }
   }
   std::vector<EmptySpace> parts(nodes.size());
-  std::atomic<std::size_t> done{0};
-  parallel_for(nodes.size(), 1, job, [&](std::size_t begin, std::size_t end) {
+  parallel_for("interior", nodes.size(), 1, job, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       std::vector<glm::ivec3> left;
       signer.divide(nodes[i], kNodeLevel, 0, parts[i], left);
@@ -157,7 +155,6 @@ EmptySpace sign_empty_space(const WindingNumber& winding, const Lattice& lattice
         job.checkpoint();
         if (!signer.holds_brick(brick)) parts[i].caps.push_back(signer.cap_brick(brick));
       }
-      job.report("interior", static_cast<double>(++done) / static_cast<double>(nodes.size()));
     }
   });
   for (const EmptySpace& part : parts) {

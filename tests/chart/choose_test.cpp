@@ -76,7 +76,14 @@ TEST(Choose, BudgetsEndTheSearchWithTheBestSoFar) {
   for (const Trial& trial : small.trials) EXPECT_GE(trial.error, small.chosen.error);
   EXPECT_EQ(small.conversion.grid.lattice().voxel, small.chosen.voxel);
 
+  // So does the memory that any conversion may take.
   options.budget_bytes = 0;
+  ConvertOptions convert;
+  convert.max_memory = 60'000'000;
+  const Choice bounded = choose_conversion(soup, convert, options, Job());
+  EXPECT_FALSE(bounded.within);
+  EXPECT_EQ(bounded.chosen.dim, small.chosen.dim);
+
   options.budget_seconds = 0.3;
   const Choice quick = choose_conversion(soup, {}, options, Job());
   EXPECT_FALSE(quick.within);

@@ -263,8 +263,8 @@ TEST(Convert, MemoryEstimateCoversTheGridWithoutExaggeration) {
     options.dim = dim;
     options.band = band;
     const double fixed =
-        estimate_memory({}, {}, band) + 450.0 * static_cast<double>(soup.triangles.size());
-    const double estimate = estimate_memory(soup, choose_lattice(soup, options), band) - fixed;
+        estimate_memory({}, {}, options) + 450.0 * static_cast<double>(soup.triangles.size());
+    const double estimate = estimate_memory(soup, choose_lattice(soup, options), options) - fixed;
     const auto bytes = static_cast<double>(convert_mesh(soup, options, Job()).grid.bytes());
     EXPECT_GT(estimate, 0.8 * bytes);
     EXPECT_LT(estimate, 2.0 * bytes);
