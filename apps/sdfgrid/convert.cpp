@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <memory>
 #include <optional>
 
@@ -13,6 +14,7 @@
 #include "options.h"
 #include "scenes.h"
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/grid/convert_dense.h"
 #include "sdfgrid/grid/convert_field.h"
 #include "sdfgrid/grid/dense.h"
 #include "sdfgrid/volume/write.h"
@@ -31,6 +33,7 @@ struct Options {
   double width = 3.0;
   double exwidth = 0;  // 0: as --width
   double inwidth = 0;
+  bool dense = false;
   std::optional<int> dim;
   SurfaceOptions surface;
   ToleranceOptions tolerance;
@@ -50,36 +53,52 @@ Band band_of(const Options& options) {
 // What was made, and what is to be said of it.
 struct Made {
   Grid grid;
+  std::optional<Volume> dense;  // instead of the grid
   std::string method;
   std::string sign;
   std::string sign_reason;
   std::optional<double> max_error;  // world units; none is stated of a scene
 };
 
-void describe(const Made& made, const Options& options, Context& context) {
-  const Grid& grid = made.grid;
+// How large what was made is.
+struct Extent {
+  glm::ivec3 dims;
+  double voxel;
+  std::size_t active_voxels, bricks, bytes;
+};
+
+Extent extent_of(const Grid& grid) {
   glm::ivec3 lo;
   glm::ivec3 hi;
   grid.active_bounds(lo, hi);
-  const glm::ivec3 dims = hi - lo + 1;
-  const double voxel = grid.lattice().voxel;
+  return {hi - lo + 1, grid.lattice().voxel, grid.active_voxels(), grid.bricks(), grid.bytes()};
+}
+
+Extent extent_of(const Volume& volume) {
+  return {volume.dims, volume.spacing.x, volume.size(), 0, volume.size() * sizeof(float)};
+}
+
+void describe(const Made& made, const Options& options, Context& context) {
+  const Extent extent = made.dense ? extent_of(*made.dense) : extent_of(made.grid);
+  const glm::ivec3& dims = extent.dims;
   Json& result = context.result();
   result["method"] = made.method;
   result["sign"] = made.sign;
   result["sign_reason"] = made.sign_reason;
-  result["voxel"] = voxel;
+  result["voxel"] = extent.voxel;
   result["dims"] = {dims.x, dims.y, dims.z};
-  result["active_voxels"] = grid.active_voxels();
-  result["bricks"] = grid.bricks();
-  result["bytes"] = grid.bytes();
+  result["active_voxels"] = extent.active_voxels;
+  result["bricks"] = extent.bricks;
+  result["bytes"] = extent.bytes;
   if (made.max_error) result["max_error"] = *made.max_error;
   context.print("{}: {} x {} x {} samples, voxel {:.6g}, {} active in {} bricks, {:.1f} MB",
-                options.output.path, dims.x, dims.y, dims.z, voxel, grid.active_voxels(),
-                grid.bricks(), 1e-6 * static_cast<double>(grid.bytes()));
-  context.print(
-      "method {}{}; sign {}: {}", made.method,
-      made.max_error ? fmt::format(", error at most {:.1g} voxel", *made.max_error / voxel) : "",
-      made.sign, made.sign_reason);
+                options.output.path, dims.x, dims.y, dims.z, extent.voxel, extent.active_voxels,
+                extent.bricks, 1e-6 * static_cast<double>(extent.bytes));
+  context.print("method {}{}; sign {}: {}", made.method,
+                made.max_error
+                    ? fmt::format(", error at most {:.1g} voxel", *made.max_error / extent.voxel)
+                    : "",
+                made.sign, made.sign_reason);
 }
 
 // What the grid says of itself to whoever opens it later (docs/architecture.md, "Metadata").
@@ -89,6 +108,13 @@ void stamp(Made& made, const std::string& source) {
   made.grid.set_metadata("sdfgrid:source", source.substr(source.find_last_of('/') + 1));
   if (made.max_error) made.grid.set_metadata("sdfgrid:max_error", *made.max_error);
   made.grid.set_metadata("sdfgrid:version", SDFGRID_VERSION);
+}
+
+// Of exact conversion, world units; far from the surface float's rounding comes on top.
+double stated_error(const Made& made) {
+  if (!made.dense) return kConvertError * made.grid.lattice().voxel;
+  const double diagonal = glm::length(glm::dvec3(made.dense->dims));
+  return (kConvertError + 6e-8 * diagonal) * made.dense->spacing.x;
 }
 
 // The voxel size asked for; a volume's own if nothing is said.
@@ -104,13 +130,9 @@ ConvertOptions convert_options(const Options& options, const Surface& surface) {
   return convert;
 }
 
-// As a grid, or as all samples of the box around the band.
-void write(const Grid& grid, const std::string& path, const Job& job) {
+bool names_dense(const std::string& path) {
   const auto& dense = volume_extensions();
-  if (std::find(dense.begin(), dense.end(), extension_of(path)) == dense.end()) {
-    return write_grid(grid, path);
-  }
-  write_volume(to_volume(grid), path, job);
+  return std::find(dense.begin(), dense.end(), extension_of(path)) != dense.end();
 }
 
 void report_seconds(const Surface& surface, const Conversion& conversion, Json seconds,
@@ -131,11 +153,36 @@ void report_seconds(const Surface& surface, const Conversion& conversion, Json s
       conversion.seconds.voxelize, conversion.seconds.assemble, write_seconds);
 }
 
+// As a grid, or as all samples of a box: around the band, or the dense field's own.
 void save(Made& made, const Options& options, Context& context) {
-  stamp(made, options.input);
+  const std::string& path = options.output.path;
   context.job().report("write", 0.0);
   context.job().checkpoint();
-  write(made.grid, options.output.path, context.job());
+  if (names_dense(path)) {
+    return write_volume(made.dense ? *made.dense : to_volume(made.grid), path, context.job());
+  }
+  if (made.dense) {
+    made.grid = to_grid(*made.dense, band_of(options).exwidth * made.dense->spacing.x);
+    made.dense.reset();
+  }
+  stamp(made, options.input);
+  write_grid(made.grid, path);
+}
+
+// Every sample of the box around the surface.
+Conversion convert_densely(const TriangleSoup& soup, const Options& options,
+                           const ConvertOptions& convert, std::optional<Volume>& dense,
+                           const Job& job) {
+  ConvertOptions with = convert;
+  const std::optional<TransformMethod> transform = find_convert_method(options.method)->transform;
+  if (transform) {
+    with.transform->method = *transform;
+  } else {
+    with.transform.reset();
+  }
+  DenseConversion made = convert_dense(soup, with, job);
+  dense = std::move(made.distances);
+  return {{}, made.sign, made.sign_reason, made.warnings, made.seconds};
 }
 
 Exit run_surface(const Options& options, Context& context) {
@@ -145,13 +192,17 @@ Exit run_surface(const Options& options, Context& context) {
   const ConvertOptions convert = convert_options(options, surface);
   check_storable(choose_lattice(surface.soup, convert).voxel);
   const ConvertMethod method = select_methods({options.method}, convert, false).front();
-  const Conversion conversion = method.convert(surface.soup, convert, context.job());
+  std::optional<Volume> dense;
+  const Conversion conversion =
+      options.dense ? convert_densely(surface.soup, options, convert, dense, context.job())
+                    : method.convert(surface.soup, convert, context.job());
   for (const std::string& warning : conversion.warnings) context.warn(warning);
   watch.lap("convert");
-  Made made{conversion.grid, options.method, std::string(sign_name(conversion.sign)),
+  Made made{conversion.grid,        std::move(dense),
+            options.method,         std::string(sign_name(conversion.sign)),
             conversion.sign_reason, std::nullopt};
   // The error of a transform depends on the mesh: docs/methods.md, and `compare`.
-  if (options.method == "exact") made.max_error = kConvertError * conversion.grid.lattice().voxel;
+  if (options.method == "exact") made.max_error = stated_error(made);
   save(made, options, context);
   watch.lap("write");
   describe(made, options, context);
@@ -172,9 +223,10 @@ Exit run_within(const Options& options, Context& context) {
   const Conversion& conversion = choice.conversion;
   for (const std::string& warning : conversion.warnings) context.warn(warning);
   watch.lap("choose");
-  Made made{conversion.grid, choice.chosen.method, std::string(sign_name(conversion.sign)),
+  Made made{conversion.grid,        std::nullopt,
+            choice.chosen.method,   std::string(sign_name(conversion.sign)),
             conversion.sign_reason, std::nullopt};
-  if (made.method == "exact") made.max_error = kConvertError * made.grid.lattice().voxel;
+  if (made.method == "exact") made.max_error = stated_error(made);
   save(made, options, context);
   watch.lap("write");
   describe(made, options, context);
@@ -195,20 +247,32 @@ Exit run_scene(const Options& options, Context& context) {
   convert.band = band_of(options);
   convert.max_memory = options.convert.max_memory;
   check_storable(choose_lattice(scene.field, convert).voxel);
-  const FieldConversion conversion = convert_field(scene.field, convert, context.job());
+  Made made{{},
+            std::nullopt,
+            "field",
+            "field",
+            "values are the scene's own, never more than the distance",
+            std::nullopt};
+  std::size_t evaluated = 0;
+  if (options.dense) {
+    made.dense = convert_dense(scene.field, convert, context.job());
+    evaluated = made.dense->size();
+  } else {
+    FieldConversion conversion = convert_field(scene.field, convert, context.job());
+    made.grid = conversion.grid;
+    evaluated = conversion.evaluated;
+  }
   watch.lap("voxelize");
-  Made made{conversion.grid, "field", "field",
-            "values are the scene's own, never more than the distance", std::nullopt};
   save(made, options, context);
   watch.lap("write");
   describe(made, options, context);
   Json seconds = watch.seconds();
   seconds["transform"] = 0.0;
-  context.result()["evaluated"] = conversion.evaluated;
+  context.result()["evaluated"] = evaluated;
   context.result()["seconds"] = seconds;
-  context.print("{} points evaluated; read {:.3f} s, voxelize {:.3f} s, write {:.3f} s",
-                conversion.evaluated, seconds["read"].get<double>(),
-                seconds["voxelize"].get<double>(), seconds["write"].get<double>());
+  context.print("{} points evaluated; read {:.3f} s, voxelize {:.3f} s, write {:.3f} s", evaluated,
+                seconds["read"].get<double>(), seconds["voxelize"].get<double>(),
+                seconds["write"].get<double>());
   return Exit::done;
 }
 
@@ -242,6 +306,9 @@ Run add_convert(CLI::App& app) {
   add_method(app, options->method)->excludes(tolerance);
   add_methods(app, options->methods, "--tolerance chooses from", false)->needs(tolerance);
   add_transform_choice(app, options->transform);
+  app.add_flag("--dense", options->dense,
+               "distances at every sample of the box around the band, not in the band only")
+      ->excludes(tolerance);
   app.add_option("--width", options->width, "half-width of the band, voxels")
       ->check(CLI::Range(1.0, 1000.0) & finite_number())
       ->capture_default_str();

@@ -2,6 +2,8 @@
 #include "sdfgrid/transform/transform.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <memory>
 #include <optional>
 
@@ -23,6 +25,7 @@ struct Options {
   VolumeOptions volume;
   std::optional<double> label;
   std::optional<double> iso;
+  std::optional<SampleRange> range;  // of the samples, for antialiased
   TransformOptions transform;
   TransformChoice choice;
 
@@ -32,12 +35,28 @@ struct Options {
     if (transform.method == TransformMethod::chamfer_mask && all.steps.empty()) {
       throw Error(ErrorKind::usage, "the method chamfer needs a mask: give --mask FILE");
     }
+    const bool antialiased = transform.method == TransformMethod::antialiased;
+    if (antialiased && iso) {
+      throw Error(ErrorKind::usage, "--iso is not for antialiased, which takes --range LO,HI");
+    }
+    if (range && !antialiased) throw Error(ErrorKind::usage, "--range is for antialiased");
     all.method = transform.method;
     all.side = transform.side;
     all.window = transform.window;
     return all;
   }
 };
+
+SampleRange parse_range(const std::string& text) {
+  SampleRange range;
+  int used = 0;
+  const bool two = std::sscanf(text.c_str(), "%lf,%lf%n", &range.lo, &range.hi, &used) == 2;
+  if (!two || static_cast<std::size_t>(used) != text.size() ||
+      !std::isfinite(range.hi - range.lo) || range.lo == range.hi) {
+    throw CLI::ValidationError("--range", "'" + text + "' is not two numbers as in 0,255");
+  }
+  return range;
+}
 
 // transform.h counts samples with the last axis fastest, volumes with the first: the same samples,
 // if the axes are named the other way round.
@@ -51,12 +70,32 @@ std::vector<float> levels(const Volume& volume, double iso, const Job& job) {
   return values;
 }
 
+// How much of each voxel is inside, as its grey tells.
+std::vector<float> coverages(const Volume& volume, const SampleRange& range, const Job& job) {
+  std::vector<float> values = as_floats(volume.samples, job);
+  const double scale = 1 / (range.hi - range.lo);
+  for (float& v : values) {
+    v = static_cast<float>(std::clamp((static_cast<double>(v) - range.lo) * scale, 0.0, 1.0));
+  }
+  return values;
+}
+
+// The grey levels that are wholly outside and wholly inside: those asked for, or the least and the
+// greatest.
+SampleRange range_of(const Options& options, const Volume& volume, const Job& job) {
+  const SampleRange range = options.range ? *options.range : sample_range(volume, job);
+  return {range.lo, range.hi == range.lo ? range.lo + 1 : range.hi};
+}
+
 // Samples of the volume are replaced by their distances.
 void transform_in_place(const Options& options, const TransformOptions& transform, Volume& volume,
                         const Job& job) {
   std::vector<std::uint8_t> mask;
   std::vector<float> values;
-  if (options.iso && options.transform.method != TransformMethod::meijster) {
+  const bool grey = transform.method == TransformMethod::antialiased && !options.label;
+  if (grey) {
+    values = coverages(volume, range_of(options, volume, job), job);
+  } else if (options.iso && transform.method != TransformMethod::meijster) {
     values = levels(volume, *options.iso, job);
   } else if (options.iso) {
     mask = mask_above(volume, *options.iso, job);
@@ -71,6 +110,7 @@ void transform_in_place(const Options& options, const TransformOptions& transfor
   seeds.spacing = reversed(volume.spacing);
   seeds.mask = mask;
   seeds.values = values;
+  if (grey) seeds.kind = SeedKind::coverage;
   std::vector<float> distances(volume.size());
   distance_transform(seeds, transform, distances, job);
   volume.samples = std::move(distances);
@@ -162,6 +202,12 @@ Run add_transform(CLI::App& app) {
                                "inside are the samples of this value only; all "
                                "that are not 0 if not given")
                     ->type_name("V");
+  app.add_option_function<std::string>(
+         "--range", [options](const std::string& text) { options->range = parse_range(text); },
+         "for antialiased: samples wholly outside and wholly inside; the least and greatest if not "
+         "given")
+      ->type_name("LO,HI")
+      ->excludes(label);
   app.add_option("--iso", options->iso, "inside are the samples at or above this value")
       ->type_name("V")
       ->excludes(label);

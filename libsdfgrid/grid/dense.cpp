@@ -28,7 +28,8 @@ void add_brick(const Volume& distances, const std::vector<float>& samples,
   }
 }
 
-openvdb::FloatGrid::Ptr make_vdb(const Volume& distances, const std::vector<float>& samples) {
+openvdb::FloatGrid::Ptr make_vdb(const Volume& distances, const std::vector<float>& samples,
+                                 float background) {
   openvdb::initialize();
   float farthest = 0;
   float least = 0;
@@ -36,7 +37,7 @@ openvdb::FloatGrid::Ptr make_vdb(const Volume& distances, const std::vector<floa
     farthest = std::max(farthest, std::abs(d));
     least = std::min(least, d);
   }
-  const auto grid = openvdb::FloatGrid::create(farthest);
+  const auto grid = openvdb::FloatGrid::create(background > 0 ? background : farthest);
   const auto transform = openvdb::math::Transform::createLinearTransform(distances.spacing.x);
   transform->postTranslate({distances.origin.x, distances.origin.y, distances.origin.z});
   grid->setTransform(transform);
@@ -52,8 +53,10 @@ Volume to_volume(const Grid& grid, int margin) {
   glm::ivec3 hi;
   grid.active_bounds(lo, hi);
   if (lo.x > hi.x) throw Error(ErrorKind::input, "the grid has no active voxels");
-  lo -= margin;
-  hi += margin;
+  return to_volume(grid, lo - margin, hi + margin);
+}
+
+Volume to_volume(const Grid& grid, const glm::ivec3& lo, const glm::ivec3& hi) {
   const Lattice lattice = grid.lattice();
   Volume volume;
   volume.dims = hi - lo + 1;
@@ -71,7 +74,7 @@ Volume to_volume(const Grid& grid, int margin) {
   return volume;
 }
 
-Grid to_grid(const Volume& distances) {
+Grid to_grid(const Volume& distances, double background) {
   const auto* samples = std::get_if<std::vector<float>>(&distances.samples);
   const glm::dvec3& spacing = distances.spacing;
   const double difference =
@@ -81,7 +84,7 @@ Grid to_grid(const Volume& distances) {
                 "a grid has cubic voxels along the world's axes; write .nrrd or .vti, which hold "
                 "any spacing and orientation");
   }
-  const auto grid = make_vdb(distances, *samples);
+  const auto grid = make_vdb(distances, *samples, static_cast<float>(background));
   constexpr int kEdge = 8;
   for (int x = 0; x < distances.dims.x; x += kEdge) {
     for (int y = 0; y < distances.dims.y; y += kEdge) {

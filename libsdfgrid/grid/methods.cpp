@@ -20,6 +20,7 @@ ConvertMethod method_of(const TransformMethodInfo& info) {
   method.name = info.name;
   method.help = info.help;
   method.needs_steps = info.method == TransformMethod::chamfer_mask;
+  method.transform = info.method;
   method.convert = [transform = info.method](const TriangleSoup& soup,
                                              const ConvertOptions& options, const Job& job) {
     ConvertOptions with = options;
@@ -32,13 +33,15 @@ ConvertMethod method_of(const TransformMethodInfo& info) {
 
 std::vector<ConvertMethod> make_methods() {
   std::vector<ConvertMethod> all;
-  all.push_back({"exact", "exact distances at every sample", false, false, convert_exactly});
+  all.push_back(
+      {"exact", "exact distances at every sample", false, false, std::nullopt, convert_exactly});
   for (const TransformMethodInfo& info : transform_methods()) {
     if (info.meshes) all.push_back(method_of(info));
   }
-  all.push_back({"openvdb", "OpenVDB's meshToVolume", true, false, convert_by_openvdb});
   all.push_back(
-      {"sweep", "OpenVDB's fast sweeping from exact seeds", true, false, convert_by_sweeping});
+      {"openvdb", "OpenVDB's meshToVolume", true, false, std::nullopt, convert_by_openvdb});
+  all.push_back({"sweep", "OpenVDB's fast sweeping from exact seeds", true, false, std::nullopt,
+                 convert_by_sweeping});
   return all;
 }
 

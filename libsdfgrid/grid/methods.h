@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,7 @@ struct ConvertMethod {
   std::string help;  // half a sentence
   bool peer = false;
   bool needs_steps = false;  // a chamfer mask of the caller's, in ConvertOptions::transform
+  std::optional<TransformMethod> transform{};  // of exact seeds; none for exact and peers
   // Of the options' transform, the bucket width and steps count. Throws as convert_mesh() does.
   std::function<Conversion(const TriangleSoup& soup, const ConvertOptions& options, const Job& job)>
       convert;

@@ -24,6 +24,8 @@ std::unique_ptr<MeshTransform> make_mesh_transform(const SignedMesh& mesh, const
       return make_mesh_march(mesh, lattice, band, options, job);
     case TransformMethod::meijster:
       return make_mesh_binary(mesh, lattice, band, job);
+    case TransformMethod::antialiased:
+      break;
   }
   throw Error(ErrorKind::usage, "this method is for volumes only");
 }

@@ -7,6 +7,7 @@
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/transform/antialiased.h"
 #include "sdfgrid/transform/dense_chamfer.h"
 #include "sdfgrid/transform/dense_marching.h"
 #include "sdfgrid/transform/dense_seeds.h"
@@ -26,6 +27,7 @@ constexpr TransformMethodInfo kMethods[] = {
     {Method::fmm, "fmm", "fast marching, first order", true, true},
     {Method::fmm2, "fmm2", "fast marching, second order", true, true},
     {Method::closest_point, "cpm", "marching that carries the nearest surface point", true, true},
+    {Method::antialiased, "antialiased", "planes through partly covered voxels", true, false},
 };
 
 std::size_t sample_count(const glm::ivec3& dims) {
@@ -115,6 +117,8 @@ void distance_transform(const DenseSeeds& seeds, const TransformOptions& options
     case TransformMethod::chamfer5:
     case TransformMethod::chamfer_mask:
       return chamfer_dense(seeds, options, distance, job);
+    case TransformMethod::antialiased:
+      return antialiased_transform(seeds, options, distance, job);
     case TransformMethod::feature:
       break;
   }

@@ -26,6 +26,7 @@ enum class TransformMethod {
   fmm,           // fast marching, first order
   fmm2,          // fast marching, second order
   closest_point,  // fast marching that carries the nearest point of the surface
+  antialiased,    // from the planes through partly covered voxels
 };
 
 struct TransformMethodInfo {
@@ -82,7 +83,8 @@ struct TransformOptions {
 // Distances from every sample to the surface between samples inside and outside, by sign:
 // - of a mask, between samples: d to the nearest sample on the other side; for `both`, half of the
 //   smallest spacing less, as the surface lies between them, and negative inside;
-// - of values, to their zero (coverage: to one half) as finely as the method can tell.
+// - of values, to their zero (coverage: to one half) as finely as the method can tell; the method
+//   antialiased takes coverage, cut to 0 and 1, and masks as such without partly covered voxels.
 // Samples without any surface get +infinity, or -infinity inside, or plus and minus the window.
 // Writes dims.x * dims.y * dims.z distances in the order above; `distance` may not overlap the
 // seeds. The same bytes at any number of threads. Throws Error{usage} for options or sizes that

@@ -92,6 +92,30 @@ TEST_F(Chart, DoesScenes) {
   }
 }
 
+TEST_F(Chart, DenseFieldsFillTheBox) {
+  const std::string scene =
+      folder_.write("scene.yaml", "sdfgrid: 1\nscene:\n  - sphere: {radius: 1}\n");
+  for (const std::string& in : {cube_, scene}) {
+    for (const char* out : {"dense.npy", "dense.vdb"}) {
+      const Outcome made = run({"convert", in, "-o", folder_.path(out), "--force", "--dim", "16",
+                                "--dense", "--json", "--quiet"});
+      ASSERT_EQ(made.exit, 0) << made.error;
+      const json result = json::parse(made.out);
+      const double samples = result["dims"][0].get<double>() * result["dims"][1].get<double>() *
+                             result["dims"][2].get<double>();
+      EXPECT_GE(samples, 22 * 22 * 22);
+      EXPECT_EQ(result["active_voxels"].get<double>(), samples) << out;
+    }
+  }
+  const std::string grid = folder_.path("cube.vdb");
+  ASSERT_EQ(run({"convert", cube_, "-o", grid, "--dim", "16", "--dense", "--quiet"}).exit, 0);
+  EXPECT_EQ(run({"compare", grid, cube_, "--quiet"}).exit, 0) << "the stated error holds";
+  EXPECT_EQ(run({"convert", cube_, "-o", grid, "--force", "--dim", "16", "--dense", "--method",
+                 "feature", "--quiet"})
+                .exit,
+            2);
+}
+
 TEST_F(Chart, MasksAreChecked) {
   const std::string grid = folder_.path("cube.vdb");
   const auto convert = [&](const std::string& mask) {

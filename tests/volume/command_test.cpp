@@ -168,6 +168,33 @@ TEST_F(VolumeCommand, TransformMakesDistancesOfLabels) {
   for (int i = 0; i < 12; ++i) EXPECT_EQ(distance_at(npy, i), cut[i]) << i;
 }
 
+TEST_F(VolumeCommand, TransformOfGreyEdges) {
+  // A ball whose edge is 20 grey levels deep: 0 outside, 100 inside.
+  const std::string ball = folder_.write("ball.nrrd", ball_nrrd());
+  const std::string out = folder_.path("d.nrrd");
+  const std::vector<std::string> base = {"transform",   ball,      "-o",     out,      "--method",
+                                         "antialiased", "--force", "--json", "--quiet"};
+  auto with = base;
+  with.insert(with.end(), {"--range", "95,105"});
+  const Outcome made = run(with);
+  ASSERT_EQ(made.exit, 0) << made.error;
+  EXPECT_EQ(json::parse(made.out)["method"], "antialiased");
+  // Sample (11, 12, 11) is 0.37 from the centre of the ball of radius 7.
+  const std::string bytes = read_file(out);
+  float value = 0;
+  const std::size_t place = 11 + kSize * (12 + kSize * 11);
+  std::memcpy(&value, bytes.data() + bytes.size() - 4 * (kSize * kSize * kSize - place), 4);
+  EXPECT_NEAR(value, -6.63, 0.15);
+  for (const auto& wrong : std::vector<std::vector<std::string>>{
+           {"--range", "1"}, {"--range", "3,3"}, {"--iso", "100"}}) {
+    auto refused = base;
+    refused.insert(refused.end(), wrong.begin(), wrong.end());
+    EXPECT_EQ(run(refused).exit, 2) << wrong.front();
+  }
+  EXPECT_EQ(run({"transform", ball, "-o", out, "--force", "--range", "0,1"}).exit, 2);
+  EXPECT_EQ(run({"transform", ball, "-o", out, "--force", "--method", "chamfer"}).exit, 2);
+}
+
 TEST_F(VolumeCommand, TransformWritesEveryKindAndRefusesWhatAGridCannotHold) {
   const std::string labels = folder_.write("labels.npy", labels_npy());
   for (const char* name : {"a.npy", "a.nrrd", "a.vti", "a.vdb", "a.nvdb"}) {

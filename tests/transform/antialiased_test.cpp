@@ -1,0 +1,236 @@
+// The anti-aliased transform against closed forms, from exact coverages. Prints what it measures:
+// the figures of docs/stability.md.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <tuple>
+
+#include "sdfgrid/core/error.h"
+#include "sdfgrid/transform/coverage_surface.h"
+#include "sdfgrid/transform/dense_feature.h"
+#include "volumes.h"
+
+namespace sdfgrid {
+namespace {
+
+// How much of the voxel around each sample is inside, from the lengths inside of lines along z, 24
+// squared a voxel: `below(x, y)` is the interval of z inside over a place of the plane.
+template <class Inside>
+Values coverage(const Shape& shape, const Inside& inside) {
+  constexpr int kLines = 24;
+  Values v{shape};
+  const glm::dvec3 middle = 0.5 * glm::dvec3(shape.dims - 1) * shape.spacing;
+  const glm::dvec3 off = shape.spacing * glm::dvec3(0.13, 0.29, -0.31);  // as sampled()
+  v.values.resize(v.size());
+  for (int i = 0; i < shape.dims.x; ++i) {
+    for (int j = 0; j < shape.dims.y; ++j) {
+      std::vector<double> sums(static_cast<std::size_t>(shape.dims.z));
+      for (int line = 0; line < kLines * kLines; ++line) {
+        const glm::dvec3 in((line / kLines + 0.5) / kLines - 0.5,
+                            (line % kLines + 0.5) / kLines - 0.5, 0);
+        const glm::dvec3 p = (glm::dvec3(i, j, 0) + in) * shape.spacing - middle + off;
+        const auto [lo, hi] = inside(p.x, p.y);
+        for (int k = 0; k < shape.dims.z; ++k) {
+          const double z = k * shape.spacing.z - middle.z + off.z;
+          const double from = std::max(lo, z - 0.5 * shape.spacing.z);
+          const double to = std::min(hi, z + 0.5 * shape.spacing.z);
+          sums[static_cast<std::size_t>(k)] += std::max(to - from, 0.0) / shape.spacing.z;
+        }
+      }
+      for (int k = 0; k < shape.dims.z; ++k) {
+        v.values[v.index(i, j, k)] =
+            static_cast<float>(sums[static_cast<std::size_t>(k)] / (kLines * kLines));
+      }
+    }
+  }
+  return v;
+}
+
+Values ball_coverage(const Shape& shape, double radius) {
+  return coverage(shape, [radius](double x, double y) {
+    const double square = radius * radius - x * x - y * y;
+    const double half = square > 0 ? std::sqrt(square) : 0.0;
+    return std::pair(-half, half);
+  });
+}
+
+const glm::dvec3 kTilt = glm::normalize(glm::dvec3(0.48, -0.31, 0.82));
+
+Values plane_coverage(const Shape& shape) {
+  return coverage(shape, [](double x, double y) {
+    return std::pair(-1e9, -(kTilt.x * x + kTilt.y * y) / kTilt.z);
+  });
+}
+
+struct Measured {
+  Errors antialiased, binary;
+};
+
+Measured measured(const Values& covered, const Values& exact) {
+  Mask mask{{exact.dims, exact.spacing}};
+  for (const float c : covered.values) mask.mask.push_back(c > 0.5F ? 1 : 0);
+  return {errors(transformed(covered.seeds(SeedKind::coverage),
+                             {.method = TransformMethod::antialiased}),
+                 exact),
+          errors(transformed(mask.seeds(), {.method = TransformMethod::meijster}), exact)};
+}
+
+TEST(Antialiased, APlaneIsExact) {
+  const Shape shape{{40, 36, 44}};
+  const Values exact = sampled(shape, [](const glm::dvec3& p) { return glm::dot(p, kTilt); });
+  const Values covered = plane_coverage(shape);
+  const std::vector<float> got =
+      transformed(covered.seeds(SeedKind::coverage), {.method = TransformMethod::antialiased});
+  double largest = 0;
+  // The volume's border cuts the plane: what lies nearest to beyond it is a distance to the rim.
+  for (int i = 14; i < 26; ++i) {
+    for (int j = 12; j < 24; ++j) {
+      for (int k = 12; k < 32; ++k) {
+        const std::size_t n = exact.index(i, j, k);
+        largest = std::max(
+            largest, std::abs(static_cast<double>(got[n]) - static_cast<double>(exact.values[n])));
+      }
+    }
+  }
+  std::printf("plane: largest %.6f\n", largest);
+  EXPECT_LT(largest, 1e-5);
+}
+
+TEST(Antialiased, ABallIsNearlyExact) {
+  const Shape shape{glm::ivec3(64)};
+  // Mean and largest, voxels; half a voxel of error in the mask is three tenths in the mean.
+  for (const auto& [radius, mean, largest] :
+       {std::tuple(8.0, 0.01, 0.15), std::tuple(20.0, 0.001, 0.03)}) {
+    const Values exact = sampled(shape, [r = radius](const glm::dvec3& p) { return ball(p, r); });
+    const Measured m = measured(ball_coverage(shape, radius), exact);
+    std::printf("ball %g: mean %.5f, largest %.4f; mask: mean %.3f, largest %.3f\n", radius,
+                m.antialiased.mean, m.antialiased.max, m.binary.mean, m.binary.max);
+    EXPECT_LT(m.antialiased.mean, mean);
+    EXPECT_LT(m.antialiased.max, largest);
+    EXPECT_LT(30 * m.antialiased.mean, m.binary.mean);
+  }
+}
+
+TEST(Antialiased, BoxesLoseHalfAVoxelAtEdges) {
+  const Shape shape{glm::ivec3(48)};
+  const double half = 11.7;
+  const Values exact = sampled(shape, [&](const glm::dvec3& p) { return box(p, half); });
+  Values covered = exact;
+  std::size_t n = 0;
+  for (int i = 0; i < 48; ++i) {
+    for (int j = 0; j < 48; ++j) {
+      for (int k = 0; k < 48; ++k) {
+        const glm::dvec3 p = glm::dvec3(i, j, k) - 23.5 + glm::dvec3(0.13, 0.29, -0.31);
+        double part = 1;
+        for (int a = 0; a < 3; ++a) {
+          part *= std::clamp(half + 0.5 - std::abs(p[a]), 0.0, 1.0);
+        }
+        covered.values[n++] = static_cast<float>(part);
+      }
+    }
+  }
+  const Measured m = measured(covered, exact);
+  std::printf("box: mean %.5f, largest %.4f; mask: mean %.3f, largest %.3f\n", m.antialiased.mean,
+              m.antialiased.max, m.binary.mean, m.binary.max);
+  EXPECT_LT(m.antialiased.mean, 0.075);
+  EXPECT_LT(m.antialiased.max, 0.6);
+}
+
+TEST(Antialiased, CountsSpacing) {
+  Shape shape{{40, 44, 30}};
+  shape.spacing = {1, 1, 2};
+  const Values exact = sampled(shape, [](const glm::dvec3& p) { return ball(p, 14); });
+  const Measured m = measured(ball_coverage(shape, 14), exact);
+  std::printf("1:1:2: mean %.5f, largest %.4f\n", m.antialiased.mean, m.antialiased.max);
+  EXPECT_LT(m.antialiased.mean, 0.006);
+  EXPECT_LT(m.antialiased.max, 0.25);
+}
+
+// Plates thinner than two voxels and as far apart: no column of voxels is whole, then empty.
+TEST(Antialiased, ThinPlatesAreFound) {
+  const Shape shape{{24, 20, 40}};
+  const auto plate = [](const glm::dvec3& p) { return std::abs(p.z) - 0.9; };
+  const Values exact = sampled(shape, plate);
+  const Values covered = coverage(shape, [](double, double) { return std::pair(-0.9, 0.9); });
+  const Measured m = measured(covered, exact);
+  EXPECT_LT(m.antialiased.max, 0.02);
+}
+
+TEST(Antialiased, EightBitsAreEnough) {
+  const Shape shape{glm::ivec3(48)};
+  Values covered = ball_coverage(shape, 15);
+  for (float& c : covered.values) c = std::round(255 * c) / 255;
+  const Values exact = sampled(shape, [](const glm::dvec3& p) { return ball(p, 15); });
+  const Measured m = measured(covered, exact);
+  std::printf("8 bits: mean %.5f, largest %.4f\n", m.antialiased.mean, m.antialiased.max);
+  EXPECT_LT(m.antialiased.mean, 0.003);
+}
+
+// The fallback at edges cuts the right part off a box, whatever its shape and the plane's
+// direction.
+TEST(Antialiased, PlanesCutOffTheirCoverage) {
+  std::mt19937 random(3);
+  const auto unit = [&] { return std::uniform_real_distribution<>(-1, 1)(random); };
+  for (int n = 0; n < 40; ++n) {
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(unit(), unit(), unit()));
+    const glm::dvec3 sides(1 + std::abs(unit()), 1, 1 + std::abs(unit()));
+    const double coverage = 0.02 + 0.48 * (unit() + 1);
+    const double offset = plane_offset(coverage, normal, sides);
+    constexpr int kSteps = 60;
+    int below = 0;
+    for (int i = 0; i < kSteps * kSteps * kSteps; ++i) {
+      const glm::dvec3 at(i % kSteps, i / kSteps % kSteps, i / kSteps / kSteps);
+      const glm::dvec3 p = ((at + 0.5) / static_cast<double>(kSteps) - 0.5) * sides;
+      below += glm::dot(p, normal) < offset ? 1 : 0;
+    }
+    EXPECT_NEAR(below / std::pow(kSteps, 3), coverage, 0.01);
+  }
+}
+
+TEST(Antialiased, TakesNoLevels) {
+  const Values v = sampled({glm::ivec3(5)}, [](const glm::dvec3& p) { return ball(p, 2); });
+  EXPECT_THROW(transformed(v.seeds(SeedKind::level), {.method = TransformMethod::antialiased}),
+               Error);
+}
+
+// Against trying all sites; equally near ones may differ.
+TEST(DenseFeature, MatchesBruteForce) {
+  std::mt19937 random(5);
+  for (const glm::dvec3& spacing : {glm::dvec3(1), glm::dvec3(1, 2.5, 10), glm::dvec3(3, 1, 1.1)}) {
+    for (const int count : {0, 1, 7, 60}) {
+      const glm::ivec3 dims(13, 18, 37);
+      std::vector<Site> sites;
+      for (int n = 0; n < count; ++n) {
+        const glm::ivec3 at(random() % 13, random() % 18, random() % 37);
+        const bool taken = std::any_of(sites.begin(), sites.end(),
+                                       [&](const Site& site) { return site.at == at; });
+        if (!taken) sites.push_back({at, glm::vec3(at)});
+      }
+      std::vector<std::uint32_t> nearest(13 * 18 * 37);
+      find_nearest_sites(dims, spacing, sites, nearest, Job{});
+      std::size_t n = 0;
+      for (int i = 0; i < dims.x; ++i) {
+        for (int j = 0; j < dims.y; ++j) {
+          for (int k = 0; k < dims.z; ++k, ++n) {
+            if (sites.empty()) {
+              ASSERT_EQ(nearest[n], kNoFeature);
+              continue;
+            }
+            const auto to = [&](const Site& site) {
+              return glm::length(glm::dvec3(site.at - glm::ivec3(i, j, k)) * spacing);
+            };
+            double least = 1e300;
+            for (const Site& site : sites) least = std::min(least, to(site));
+            ASSERT_LT(nearest[n], sites.size());
+            ASSERT_NEAR(to(sites[nearest[n]]), least, 1e-9);
+          }
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sdfgrid
