@@ -218,8 +218,11 @@ Exit run_within(const Options& options, Context& context) {
   ConvertOptions convert = options.convert;
   convert.band = band_of(options);
   convert.transform = options.transform.options();
-  const Choice choice =
-      choose_within(surface.soup, convert, options.methods, options.tolerance, context);
+  const glm::dvec3 size = bounds(surface.soup).size();
+  ChooseOptions choose = choose_options(options.tolerance, std::max({size.x, size.y, size.z}));
+  choose.methods = options.methods;
+  const Choice choice = choose_conversion(surface.soup, convert, choose, context.job());
+  report_choice(choice, choose, context);
   const Conversion& conversion = choice.conversion;
   for (const std::string& warning : conversion.warnings) context.warn(warning);
   watch.lap("choose");
@@ -234,10 +237,18 @@ Exit run_within(const Options& options, Context& context) {
   return choice.within ? Exit::done : Exit::missed;
 }
 
+// A scene's resolution found by measuring.
+Choice choose_scene(const SceneModel& scene, const Options& options,
+                    const FieldConvertOptions& convert, Context& context) {
+  const glm::dvec3 size = scene.field.bounds().size();
+  ChooseOptions choose = choose_options(options.tolerance, std::max({size.x, size.y, size.z}));
+  choose.methods = options.methods;
+  Choice choice = choose_conversion(scene.field, convert, choose, context.job());
+  report_choice(choice, choose, context);
+  return choice;
+}
+
 Exit run_scene(const Options& options, Context& context) {
-  if (!options.tolerance.tolerance.empty()) {
-    throw Error(ErrorKind::usage, "--tolerance is for meshes and volumes, not scenes");
-  }
   Stopwatch watch;
   const SceneModel scene = load_scene(options.input, options.time, context);
   watch.lap("read");
@@ -246,7 +257,8 @@ Exit run_scene(const Options& options, Context& context) {
   convert.dim = options.dim.value_or(convert.dim);
   convert.band = band_of(options);
   convert.max_memory = options.convert.max_memory;
-  check_storable(choose_lattice(scene.field, convert).voxel);
+  const bool search = !options.tolerance.tolerance.empty();
+  if (!search) check_storable(choose_lattice(scene.field, convert).voxel);
   Made made{{},
             std::nullopt,
             "field",
@@ -254,7 +266,12 @@ Exit run_scene(const Options& options, Context& context) {
             "values are the scene's own, never more than the distance",
             std::nullopt};
   std::size_t evaluated = 0;
-  if (options.dense) {
+  bool within = true;
+  if (search) {
+    const Choice choice = choose_scene(scene, options, convert, context);
+    made.grid = choice.conversion.grid;
+    within = choice.within;
+  } else if (options.dense) {
     made.dense = convert_dense(scene.field, convert, context.job());
     evaluated = made.dense->size();
   } else {
@@ -273,7 +290,7 @@ Exit run_scene(const Options& options, Context& context) {
   context.print("{} points evaluated; read {:.3f} s, voxelize {:.3f} s, write {:.3f} s", evaluated,
                 seconds["read"].get<double>(), seconds["voxelize"].get<double>(),
                 seconds["write"].get<double>());
-  return Exit::done;
+  return within ? Exit::done : Exit::missed;
 }
 
 Exit run(const Options& options, Context& context) {

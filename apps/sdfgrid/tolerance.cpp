@@ -39,17 +39,15 @@ CLI::Option* add_tolerance(CLI::App& app, ToleranceOptions& options) {
   return tolerance;
 }
 
-Choice choose_within(const TriangleSoup& soup, const ConvertOptions& convert,
-                     const std::vector<std::string>& methods, const ToleranceOptions& options,
-                     Context& context) {
-  const glm::dvec3 size = bounds(soup).size();
+ChooseOptions choose_options(const ToleranceOptions& options, double longest_side) {
   ChooseOptions choose;
-  choose.tolerance = parse_tolerance(options.tolerance, std::max({size.x, size.y, size.z}));
-  choose.methods = methods;
+  choose.tolerance = parse_tolerance(options.tolerance, longest_side);
   choose.budget_seconds = options.budget_seconds;
   choose.budget_bytes = 1e6 * options.budget_megabytes;
-  Choice choice = choose_conversion(soup, convert, choose, context.job());
+  return choose;
+}
 
+void report_choice(const Choice& choice, const ChooseOptions& choose, Context& context) {
   Json& result = context.result();
   result["tolerance"] = choose.tolerance;
   result["error"] = choice.chosen.error;
@@ -61,14 +59,15 @@ Choice choose_within(const TriangleSoup& soup, const ConvertOptions& convert,
                                 {"voxel", trial.voxel},
                                 {"seconds", trial.seconds},
                                 {"error", trial.error}});
-    context.print("tried {} at {} voxels along the longest side: error {:.4g}, {:.3f} s",
-                  trial.method, trial.dim, trial.error, trial.seconds);
+    context.print(
+        "tried {} at {} voxels along the longest side: error {}, {:.3f} s", trial.method, trial.dim,
+        std::isnan(trial.error) ? "not measured, not quicker" : fmt::format("{:.4g}", trial.error),
+        trial.seconds);
   }
   context.print("{} at voxel {:.6g}: error {:.4g}, {} the tolerance of {:.4g}",
                 choice.chosen.method, choice.chosen.voxel, choice.chosen.error,
                 choice.within ? "within" : "beyond", choose.tolerance);
   if (!choice.within) context.warn("the tolerance was missed: " + choice.why_not);
-  return choice;
 }
 
 }  // namespace sdfgrid::cli

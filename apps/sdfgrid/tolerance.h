@@ -18,10 +18,11 @@ struct ToleranceOptions {
 // Registers --tolerance, --budget-s and --budget-mb. Returns the first.
 CLI::Option* add_tolerance(CLI::App& app, ToleranceOptions& options);
 
-// Finds the conversion, prints what was tried, and fills `tolerance`, `error`, `within` and
-// `trials` of the result. `methods` as in ChooseOptions.
-[[nodiscard]] Choice choose_within(const TriangleSoup& soup, const ConvertOptions& convert,
-                                   const std::vector<std::string>& methods,
-                                   const ToleranceOptions& options, Context& context);
+// The options of a search in a thing of that longest side. Throws CLI::ValidationError for a
+// tolerance that is no length.
+[[nodiscard]] ChooseOptions choose_options(const ToleranceOptions& options, double longest_side);
+
+// Prints what was tried, and fills `tolerance`, `error`, `within` and `trials` of the result.
+void report_choice(const Choice& choice, const ChooseOptions& options, Context& context);
 
 }  // namespace sdfgrid::cli

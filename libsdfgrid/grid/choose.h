@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "sdfgrid/core/job.h"
+#include "sdfgrid/field/field.h"
 #include "sdfgrid/grid/convert.h"
+#include "sdfgrid/grid/convert_field.h"
 #include "sdfgrid/grid/grid.h"
 #include "sdfgrid/grid/survey.h"
 
@@ -54,6 +56,13 @@ struct Choice {
 // count. A method that cannot do the band is left out unless it is the first. Throws as
 // convert_mesh() does, and Error{usage} for a tolerance that is not positive or an unknown method.
 [[nodiscard]] Choice choose_conversion(const TriangleSoup& soup, const ConvertOptions& convert,
+                                       const ChooseOptions& options, const Job& job);
+
+// The same for a field, whose grid holds its own values: the first resolution at which what is read
+// between the voxels is within the tolerance of the field itself. Methods are not to be chosen;
+// budget_bytes is held against what the grid before took, doubled. Throws as convert_field() does,
+// and Error{usage} for a tolerance that is not positive or if methods are named.
+[[nodiscard]] Choice choose_conversion(const Field& field, const FieldConvertOptions& convert,
                                        const ChooseOptions& options, const Job& job);
 
 }  // namespace sdfgrid

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "chart/shapes.h"
 #include "sdfgrid/core/error.h"
@@ -28,7 +29,7 @@ TEST(Choose, OneStepCoarserMissesAndTheChoiceIsOnTheFront) {
   ChooseOptions options;
   options.tolerance = 0.002;
   options.compare.samples = 20000;
-  const Choice choice = choose_conversion(soup, {}, options, Job());
+  const Choice choice = choose_conversion(soup, ConvertOptions(), options, Job());
   ASSERT_TRUE(choice.within) << choice.why_not;
   EXPECT_LE(choice.chosen.error, options.tolerance);
   const auto& dims = choice_dims();
@@ -56,7 +57,7 @@ TEST(Choose, TighterTolerancesTakeFinerVoxels) {
     ChooseOptions options;
     options.tolerance = tolerance;
     options.compare.samples = 5000;
-    const Choice choice = choose_conversion(soup, {}, options, Job());
+    const Choice choice = choose_conversion(soup, ConvertOptions(), options, Job());
     ASSERT_TRUE(choice.within);
     EXPECT_GT(choice.chosen.dim, before);
     before = choice.chosen.dim;
@@ -69,7 +70,7 @@ TEST(Choose, BudgetsEndTheSearchWithTheBestSoFar) {
   options.tolerance = 1e-7;
   options.compare.samples = 2000;
   options.budget_bytes = 60e6;
-  const Choice small = choose_conversion(soup, {}, options, Job());
+  const Choice small = choose_conversion(soup, ConvertOptions(), options, Job());
   EXPECT_FALSE(small.within);
   EXPECT_NE(small.why_not.find("MB"), std::string::npos) << small.why_not;
   ASSERT_FALSE(small.trials.empty());
@@ -85,13 +86,13 @@ TEST(Choose, BudgetsEndTheSearchWithTheBestSoFar) {
   EXPECT_EQ(bounded.chosen.dim, small.chosen.dim);
 
   options.budget_seconds = 0.3;
-  const Choice quick = choose_conversion(soup, {}, options, Job());
+  const Choice quick = choose_conversion(soup, ConvertOptions(), options, Job());
   EXPECT_FALSE(quick.within);
   EXPECT_NE(quick.why_not.find(" s"), std::string::npos) << quick.why_not;
 
   options.budget_seconds = 0;
   options.budget_bytes = 1000;
-  EXPECT_THROW((void)choose_conversion(soup, {}, options, Job()), Error);
+  EXPECT_THROW((void)choose_conversion(soup, ConvertOptions(), options, Job()), Error);
 }
 
 // Every method of the list converts, and errors are what its name says: none is left out of chart
@@ -147,13 +148,55 @@ TEST(Choose, LeavesOutWhatCannotDoTheBand) {
   EXPECT_EQ(choice.chosen.method, "exact");
 }
 
+// A scene is measured against itself; one step coarser missed.
+TEST(Choose, FieldsAreReadWithinTheTolerance) {
+  const Field field = make_field(
+      "difference", {},
+      {make_field("box", {{"size", {2.0, 2.0, 2.0}}}), make_field("sphere", {{"radius", 1.2}})});
+  ChooseOptions options;
+  options.tolerance = 0.02;
+  options.compare.samples = 20000;
+  const Choice choice = choose_conversion(field, FieldConvertOptions(), options, Job());
+  ASSERT_TRUE(choice.within) << choice.why_not;
+  EXPECT_EQ(choice.chosen.method, "field");
+  ASSERT_GE(choice.trials.size(), 2U);
+  EXPECT_GT(choice.trials[choice.trials.size() - 2].error, options.tolerance);
+  // In the middle of every cell, where trilinear values are the mean of eight.
+  const Grid& grid = choice.conversion.grid;
+  glm::ivec3 lo;
+  glm::ivec3 hi;
+  grid.active_bounds(lo, hi);
+  const double known = 0.999 * static_cast<double>(grid.background());
+  double largest = 0;
+  for (int x = lo.x; x < hi.x; ++x) {
+    for (int y = lo.y; y < hi.y; ++y) {
+      for (int z = lo.z; z < hi.z; ++z) {
+        double mean = 0;
+        double farthest = 0;
+        for (int c = 0; c < 8; ++c) {
+          const double v = grid.value({x + (c & 1), y + (c >> 1 & 1), z + (c >> 2)});
+          farthest = std::max(farthest, std::abs(v));
+          mean += v / 8;
+        }
+        if (farthest >= known) continue;
+        const glm::dvec3 middle = grid.lattice().to_world(glm::dvec3(x, y, z) + 0.5);
+        largest = std::max(largest, std::abs(mean - static_cast<double>(field(glm::vec3(middle)))));
+      }
+    }
+  }
+  EXPECT_LE(largest, 1.05 * options.tolerance);
+  EXPECT_GT(largest, 0.2 * options.tolerance);
+  options.methods = {"exact"};
+  EXPECT_THROW((void)choose_conversion(field, FieldConvertOptions(), options, Job()), Error);
+}
+
 TEST(Choose, NonsenseIsUsage) {
   const TriangleSoup soup = box({1, 1, 1});
-  EXPECT_THROW((void)choose_conversion(soup, {}, {}, Job()), Error);
+  EXPECT_THROW((void)choose_conversion(soup, ConvertOptions(), {}, Job()), Error);
   ChooseOptions options;
   options.tolerance = 1;
   options.methods = {"magic"};
-  EXPECT_THROW((void)choose_conversion(soup, {}, options, Job()), Error);
+  EXPECT_THROW((void)choose_conversion(soup, ConvertOptions(), options, Job()), Error);
 }
 
 }  // namespace

@@ -153,6 +153,23 @@ TEST_F(Chart, ConvertWithinATolerance) {
   EXPECT_EQ(check.exit, 0) << check.error;
 }
 
+TEST_F(Chart, ConvertASceneWithinATolerance) {
+  const std::string scene =
+      folder_.write("scene.yaml", "sdfgrid: 1\nscene:\n  - sphere: {radius: 1}\n");
+  const std::string grid = folder_.path("scene.vdb");
+  const Outcome made =
+      run({"convert", scene, "-o", grid, "--tolerance", "0.5%", "--json", "--quiet"});
+  ASSERT_EQ(made.exit, 0) << made.error;
+  const json result = json::parse(made.out);
+  EXPECT_NEAR(result["tolerance"].get<double>(), 0.01, 1e-3);
+  EXPECT_LE(result["error"].get<double>(), result["tolerance"].get<double>());
+  EXPECT_EQ(result["method"], "field");
+  EXPECT_EQ(run({"convert", scene, "-o", grid, "--force", "--tolerance", "1e-7", "--budget-s",
+                 "0.5", "--quiet"})
+                .exit,
+            3);
+}
+
 TEST_F(Chart, AToleranceOutOfReachIsThreeAndTheBestIsWritten) {
   const std::string grid = folder_.path("cube.vdb");
   const Outcome made = run({"convert", cube_, "-o", grid, "--tolerance", "1e-9", "--budget-mb",
