@@ -111,10 +111,10 @@ void stamp(Made& made, const std::string& source) {
 }
 
 // Of exact conversion, world units; far from the surface float's rounding comes on top.
-double stated_error(const Made& made) {
-  if (!made.dense) return kConvertError * made.grid.lattice().voxel;
+double stated_error(const Made& made, const Band& band) {
+  if (!made.dense) return convert_error(band) * made.grid.lattice().voxel;
   const double diagonal = glm::length(glm::dvec3(made.dense->dims));
-  return (kConvertError + 6e-8 * diagonal) * made.dense->spacing.x;
+  return (convert_error(band) + 6e-8 * diagonal) * made.dense->spacing.x;
 }
 
 // The voxel size asked for; a volume's own if nothing is said.
@@ -202,7 +202,7 @@ Exit run_surface(const Options& options, Context& context) {
             options.method,         std::string(sign_name(conversion.sign)),
             conversion.sign_reason, std::nullopt};
   // The error of a transform depends on the mesh: docs/methods.md, and `compare`.
-  if (options.method == "exact") made.max_error = stated_error(made);
+  if (options.method == "exact") made.max_error = stated_error(made, convert.band);
   save(made, options, context);
   watch.lap("write");
   describe(made, options, context);
@@ -229,7 +229,7 @@ Exit run_within(const Options& options, Context& context) {
   Made made{conversion.grid,        std::nullopt,
             choice.chosen.method,   std::string(sign_name(conversion.sign)),
             conversion.sign_reason, std::nullopt};
-  if (made.method == "exact") made.max_error = stated_error(made);
+  if (made.method == "exact") made.max_error = stated_error(made, convert.band);
   save(made, options, context);
   watch.lap("write");
   describe(made, options, context);

@@ -178,6 +178,12 @@ double surface_area(const TriangleSoup& soup) {
 
 }  // namespace
 
+double convert_error(const Band& band) {
+  constexpr double kNear = 1e-5;
+  constexpr double kRelative = 4e-7;  // 6.5 roundings to float
+  return std::max(kNear, kRelative * std::max(band.exwidth, band.inwidth));
+}
+
 Lattice choose_lattice(const TriangleSoup& soup, const ConvertOptions& options) {
   Lattice lattice;
   lattice.voxel = options.voxel;

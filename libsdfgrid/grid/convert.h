@@ -40,8 +40,9 @@ struct Conversion {
   ConvertSeconds seconds;
 };
 
-// Largest error of a stored value against the exact distance, in voxels (docs/methods.md says why).
-inline constexpr double kConvertError = 1e-5;
+// Largest error of a stored value against the exact distance, in voxels: at most 1e-5 up to 25
+// voxels from the surface, beyond that 4e-7 of the distance (docs/methods.md says why).
+[[nodiscard]] double convert_error(const Band& band);
 
 // The lattice for a mesh: the voxel size asked for, samples at whole multiples of it (counted from
 // near the mesh where it is far from zero). Throws Error{usage} if neither voxel nor dim makes

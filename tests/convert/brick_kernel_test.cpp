@@ -10,6 +10,7 @@
 
 #include "property/random_meshes.h"
 #include "sdfgrid/core/isa.h"
+#include "sdfgrid/grid/convert.h"
 #include "sdfgrid/voxelize/node_bins.h"
 
 namespace sdfgrid {
@@ -138,6 +139,40 @@ TEST(BrickKernel, DistancesEqualBruteForceOverRandomAndDegenerateTriangles) {
       }
     }
     EXPECT_GT(within, 20000);
+    RecordProperty(std::string("worst_voxels_") + name, std::to_string(worst));
+  }
+}
+
+// The widest band that the command line takes: the error that is stated of it holds.
+TEST(BrickKernel, DistancesToTheEndOfTheWidestBandKeepTheStatedError) {
+  constexpr float kReach = 1000;
+  const double allowed = convert_error({kReach, kReach});
+  for (const auto& [name, kernel] : kernels()) {
+    Random random(11);
+    double worst = 0;
+    for (int round = 0; round < 300; ++round) {
+      std::vector<Triangle> triangles(static_cast<std::size_t>(random.integer(1, 10)));
+      for (Triangle& t : triangles) {
+        t = random_triangle(random);
+        const glm::dvec3 away = kReach * (0.2 + 0.8 * random.unit()) * random.direction();
+        for (glm::dvec3& c : t.corner) c += away;
+      }
+      const BrickDistances out = run(*kernel, triangles, kReach);
+      for (int i = 0; i < 512; i += 7) {
+        const V p(i >> 6, (i >> 3) & 7, i & 7);
+        long double exact = 1e30L;
+        for (const Triangle& t : triangles) {
+          exact = std::min(exact, to_triangle(p, V(t.corner[0]), V(t.corner[1]), V(t.corner[2])));
+        }
+        if (exact > kReach) continue;
+        const double error =
+            std::abs(std::sqrt(static_cast<double>(out.squared[i])) - static_cast<double>(exact));
+        worst = std::max(worst, error);
+        ASSERT_LE(error, convert_error({static_cast<double>(exact), 1}))
+            << name << " round " << round << " sample " << i;
+      }
+    }
+    EXPECT_GT(worst, 0.1 * allowed) << name;
     RecordProperty(std::string("worst_voxels_") + name, std::to_string(worst));
   }
 }

@@ -24,8 +24,8 @@ namespace {
 
 using shapes::Random;
 
-// Float storage of a value of a few voxels, and the kernel's own rounding.
-constexpr double kVoxelError = kConvertError;
+// Of bands up to 25 voxels wide.
+const double kVoxelError = convert_error({});
 
 Conversion convert(const TriangleSoup& soup, int dim, const Band& band = {},
                    SignMethod sign = SignMethod::automatic) {
@@ -138,6 +138,28 @@ TEST(Convert, HugeTrianglesKeepTheirAccuracy) {
   }
   EXPECT_GT(checked, 10000U);
   EXPECT_LT(worst, kVoxelError);
+}
+
+// Far from the surface floats are coarse: the stated error must say so, and not more than that.
+TEST(Convert, WideBandsKeepTheirStatedError) {
+  const TriangleSoup soup =
+      shapes::transformed(shapes::box_mesh(glm::dvec3(-1), glm::dvec3(1)), Random(5).rotation());
+  const Band band{100, 3};
+  const Conversion conversion = convert(soup, 8, band);
+  const ReferenceDistance reference(soup);
+  const Lattice lattice = conversion.grid.lattice();
+  Random random(6);
+  double worst = 0;
+  for (auto it = vdb(conversion.grid)->cbeginValueOn(); it; ++it) {
+    if (random.unit() > 0.02) continue;
+    const openvdb::Coord c = it.getCoord();
+    const double exact = reference.signed_distance(lattice.to_world({c.x(), c.y(), c.z()}));
+    worst = std::max(worst, std::abs(*it - exact) / lattice.voxel);
+  }
+  EXPECT_GT(worst, 1e-5);
+  EXPECT_LT(worst, convert_error(band));
+  EXPECT_LE(convert_error(band), 4e-5);
+  EXPECT_DOUBLE_EQ(convert_error({3, 100}), convert_error(band));
 }
 
 TEST(Convert, DimIsTheLongestSideInVoxelsAndVoxelIsTheSize) {
