@@ -62,9 +62,25 @@ std::string read_bytes(const std::string& path) {
   return bytes;
 }
 
-Box box_of(const std::vector<glm::dvec3>& points) {
+constexpr std::uint32_t kUnused = 0xffffffffU;
+
+// For each point 0, or kUnused where no face of three corners uses it: a pivot or what an editor
+// left behind is no part of the surface and must not count in its box.
+std::vector<std::uint32_t> find_used(const Polygons& mesh) {
+  std::vector<std::uint32_t> place(mesh.points.size(), kUnused);
+  std::size_t first = 0;
+  for (const std::uint32_t size : mesh.sizes) {
+    for (std::size_t k = first; size >= 3 && k < first + size; ++k) place[mesh.corners[k]] = 0;
+    first += size;
+  }
+  return place;
+}
+
+Box box_of(const Polygons& mesh, const std::vector<std::uint32_t>& place) {
   Box box;
-  for (const glm::dvec3& p : points) box.add(p);
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    if (place[i] != kUnused) box.add(mesh.points[i]);
+  }
   return box;
 }
 
@@ -118,11 +134,13 @@ class PointMerger {
   std::size_t mask_;
 };
 
+// Sets the place of every used point.
 void merge_points(const Polygons& mesh, TriangleSoup& soup, std::vector<std::uint32_t>& place) {
   soup.points.reserve(mesh.points.size());
   PointMerger merger(mesh.points.size(), soup);
-  place.reserve(mesh.points.size());
-  for (const glm::dvec3& p : mesh.points) place.push_back(merger.add(p));
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    if (place[i] != kUnused) place[i] = merger.add(mesh.points[i]);
+  }
 }
 
 void cut_polygons(const Source& source, const Polygons& mesh,
@@ -162,7 +180,7 @@ void cut_polygons(const Source& source, const Polygons& mesh,
   }
 }
 
-void check(const Source& source, const Polygons& mesh, const Box& box) {
+void check_counts(const Source& source, const Polygons& mesh) {
   if (mesh.points.empty()) {
     throw input_error(source.path, "end", "there are no points", kKnown);
   }
@@ -174,6 +192,13 @@ void check(const Source& source, const Polygons& mesh, const Box& box) {
   if (mesh.points.size() >= 0xffffffffULL) {
     throw input_error(source.path, "", "more points than 32-bit indices can name",
                       "split the mesh");
+  }
+}
+
+void check_size(const Source& source, const Box& box) {
+  if (box.empty()) {
+    throw input_error(source.path, "end", "no face has three corners",
+                      "export a surface, not lines");
   }
   const glm::dvec3 size = box.size();
   // The squares of lengths must stay within float's range.
@@ -192,8 +217,10 @@ MeshFile read_mesh(const std::string& path, const Job& job) {
   Polygons mesh = reader(source);
   bytes = {};
   job.checkpoint();
-  const Box box = box_of(mesh.points);
-  check(source, mesh, box);
+  check_counts(source, mesh);
+  std::vector<std::uint32_t> place = find_used(mesh);
+  const Box box = box_of(mesh, place);
+  check_size(source, box);
 
   MeshFile file;
   file.format = std::move(mesh.format);
@@ -201,12 +228,8 @@ MeshFile read_mesh(const std::string& path, const Job& job) {
   file.points = mesh.points.size();
   file.faces = mesh.sizes.size();
   file.soup.origin = choose_origin(box);
-  std::vector<std::uint32_t> place;
   merge_points(mesh, file.soup, place);
   cut_polygons(source, mesh, place, file);
-  if (file.soup.triangles.empty()) {
-    throw input_error(path, "end", "no face has three corners", "export a surface, not lines");
-  }
   job.report("read", 1.0);
   return file;
 }

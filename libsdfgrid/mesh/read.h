@@ -21,8 +21,9 @@ struct MeshFile {
 // Reads OBJ, PLY, STL and OFF (text and binary) and OpenMesh's OM; the file's extension says which.
 //
 // Polygons are triangulated, points that coincide exactly are merged, and whatever is not surface
-// (materials, normals, colours, lines) is passed over. Faces come in the order of the file, and
-// none is lost without a warning: non-manifold, flipped, repeated and zero-area ones stay.
+// (materials, normals, colours, lines, points that no face uses) is passed over. Faces come in the
+// order of the file, and none is lost without a warning: non-manifold, flipped, repeated and
+// zero-area ones stay.
 //
 // Coordinates are read in double. Along an axis on which the mesh lies further from zero than twice
 // its size, soup.origin is the (rounded) centre of its box, so that float keeps all of a survey's

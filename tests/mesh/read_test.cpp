@@ -90,6 +90,26 @@ TEST(ReadMesh, KeepsMillimetresFarFromZero) {
   }
 }
 
+// A point that no face uses, such as a pivot at zero, is no part of the surface: it must not move
+// the origin away from it.
+TEST(ReadMesh, AnUnusedPointCostsNoMillimetres) {
+  PolygonMesh mesh = surveyed_cube();
+  mesh.points.insert(mesh.points.begin(), glm::dvec3(0));
+  mesh.points.emplace_back(1e30);  // nor is the mesh as large as it is far away
+  for (auto& face : mesh.faces) {
+    for (std::uint32_t& corner : face) ++corner;
+  }
+  for (const NamedFile& file :
+       {NamedFile{"a.obj", "OBJ", obj_text(mesh)}, NamedFile{"a.off", "OFF", off_text(mesh)}}) {
+    SCOPED_TRACE(file.name);
+    const MeshFile read_back = read(file);
+    EXPECT_EQ(read_back.points, 10U);
+    ASSERT_EQ(read_back.soup.points.size(), 8U);
+    const glm::dvec3 size = bounds(read_back.soup).size();
+    for (int a = 0; a < 3; ++a) EXPECT_NEAR(size[a], 1.0, 1e-7);
+  }
+}
+
 TEST(ReadMesh, FloatsFarFromZeroStayExactly) {
   PolygonMesh mesh = unit_cube();
   for (glm::dvec3& p : mesh.points) p = p * 37.5 + glm::dvec3(612345.0625, 4123456.25, 1e-3F);
