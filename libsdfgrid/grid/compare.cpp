@@ -14,8 +14,9 @@
 #include "sdfgrid/grid/compare_claims.h"
 #include "sdfgrid/grid/compare_summary.h"
 #include "sdfgrid/grid/compare_truth.h"
+#include "sdfgrid/mesh/diagnose.h"
+#include "sdfgrid/mesh/orient.h"
 #include "sdfgrid/mesh/reference.h"
-#include "sdfgrid/voxelize/mesh_sign.h"
 
 namespace sdfgrid {
 namespace {
@@ -132,11 +133,11 @@ Comparison compare(const Grid& grid, const TriangleSoup& mesh, const CompareOpti
   Comparison comparison;
   comparison.voxel = claims.voxel();
   comparison.signs = claims.is_signed();
-  const SignedMesh turned =
-      prepare_sign(mesh, comparison.signs ? SignMethod::automatic : SignMethod::no_sign, job);
-  comparison.warnings = turned.warnings;
+  TriangleSoup turned = mesh;
+  if (comparison.signs) comparison.warnings = orient_mesh(turned, diagnose(turned));
+  job.checkpoint();
   warn_of_tiles(comparison, claims);
-  const ReferenceDistance reference(turned.soup);
+  const ReferenceDistance reference(turned);
   fill(comparison,
        measure_all(
            claims, [&] { return MeshTruth(reference, comparison.signs); }, options, job));

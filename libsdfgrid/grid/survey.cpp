@@ -12,8 +12,9 @@
 #include "sdfgrid/grid/compare_claims.h"
 #include "sdfgrid/grid/compare_summary.h"
 #include "sdfgrid/grid/compare_truth.h"
+#include "sdfgrid/mesh/diagnose.h"
+#include "sdfgrid/mesh/orient.h"
 #include "sdfgrid/mesh/reference.h"
-#include "sdfgrid/voxelize/mesh_sign.h"
 
 namespace sdfgrid {
 namespace {
@@ -72,9 +73,11 @@ struct SurfaceTruth::Data {
 };
 
 SurfaceTruth::SurfaceTruth(const TriangleSoup& mesh, const Job& job) {
-  const SignedMesh turned = prepare_sign(mesh, SignMethod::automatic, job);
-  const TriangleSoup edges = edges_of(turned.soup);
-  auto data = std::make_shared<Data>(Data{ReferenceDistance(turned.soup), std::nullopt});
+  TriangleSoup turned = mesh;
+  (void)orient_mesh(turned, diagnose(turned));  // `convert` says what was turned
+  job.checkpoint();
+  const TriangleSoup edges = edges_of(turned);
+  auto data = std::make_shared<Data>(Data{ReferenceDistance(turned), std::nullopt});
   if (!edges.triangles.empty()) data->edges.emplace(edges);
   data_ = std::move(data);
 }

@@ -84,6 +84,22 @@ std::vector<bool> find_turned(const TriangleSoup& soup, const MeshDiagnosis& dia
   return turned;
 }
 
+// Six times the volume under the triangles, seen from the centre of the bounds: its sign says which
+// way most of a nearly closed mesh faces.
+double facing(const TriangleSoup& soup) {
+  const glm::dvec3 center = bounds(soup).center() - soup.origin;
+  double sum = 0;
+  for (const glm::uvec3& t : soup.triangles) {
+    sum += glm::dot(soup.local(t.x) - center,
+                    glm::cross(soup.local(t.y) - center, soup.local(t.z) - center));
+  }
+  return sum;
+}
+
+void turn(TriangleSoup& soup) {
+  for (glm::uvec3& t : soup.triangles) std::swap(t.y, t.z);
+}
+
 }  // namespace
 
 std::vector<std::string> orient_closed_components(TriangleSoup& soup,
@@ -100,6 +116,24 @@ std::vector<std::string> orient_closed_components(TriangleSoup& soup,
       fmt::format("turned {} of {} closed components, so that outer shells face outward and "
                   "shells in shells inward",
                   count, diagnosis.components)};
+}
+
+std::vector<std::string> orient_mesh(TriangleSoup& soup, const MeshDiagnosis& diagnosis) {
+  std::vector<std::string> warnings;
+  if (diagnosis.closed() && diagnosis.consistently_oriented()) {
+    warnings = orient_closed_components(soup, diagnosis);
+  } else if (facing(soup) < 0) {
+    turn(soup);
+    warnings.emplace_back("most of the mesh faces inward; it was turned inside out");
+  }
+  if (diagnosis.boundary_edges > 0) {
+    warnings.push_back(
+        fmt::format("the mesh is open ({} boundary edges): inside is where it winds around by more "
+                    "than half, and wide holes get a rough cap; an open sheet or terrain wants "
+                    "--sign unsigned",
+                    diagnosis.boundary_edges));
+  }
+  return warnings;
 }
 
 }  // namespace sdfgrid

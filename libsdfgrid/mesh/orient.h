@@ -1,4 +1,4 @@
-// mesh/orient.h: makes the components of a closed mesh face the right way.
+// mesh/orient.h: makes meshes face outward.
 #pragma once
 
 #include <string>
@@ -20,5 +20,12 @@ namespace sdfgrid {
 // was turned; none if all was well.
 [[nodiscard]] std::vector<std::string> orient_closed_components(TriangleSoup& soup,
                                                                 const MeshDiagnosis& diagnosis);
+
+// Makes any mesh ready to be asked for inside and outside: closed ones as above, others turned
+// whole if most of them faces inward, as the volume under their triangles tells. Returns warnings
+// that say what was turned, and that an open mesh has no definite inside. All who give distances
+// signs do this first, so that they mean the same inside.
+[[nodiscard]] std::vector<std::string> orient_mesh(TriangleSoup& soup,
+                                                   const MeshDiagnosis& diagnosis);
 
 }  // namespace sdfgrid

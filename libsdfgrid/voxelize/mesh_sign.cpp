@@ -59,22 +59,6 @@ std::size_t flat_components(const TriangleSoup& soup, const MeshDiagnosis& diagn
   }));
 }
 
-// Six times the volume under the triangles, seen from the centre of the bounds: its sign says which
-// way most of a nearly closed mesh faces.
-double facing(const TriangleSoup& soup) {
-  const glm::dvec3 center = bounds(soup).center() - soup.origin;
-  double sum = 0;
-  for (const glm::uvec3& t : soup.triangles) {
-    sum += glm::dot(soup.local(t.x) - center,
-                    glm::cross(soup.local(t.y) - center, soup.local(t.z) - center));
-  }
-  return sum;
-}
-
-void turn(TriangleSoup& soup) {
-  for (glm::uvec3& t : soup.triangles) std::swap(t.y, t.z);
-}
-
 }  // namespace
 
 std::string sign_name(SignMethod method) {
@@ -113,19 +97,7 @@ SignedMesh prepare_sign(TriangleSoup soup, SignMethod method, const Job& job) {
     mesh.reason = "asked for";
   }
   job.checkpoint();
-  if (diagnosis.closed() && diagnosis.consistently_oriented()) {
-    mesh.warnings = orient_closed_components(mesh.soup, diagnosis);
-  } else if (facing(mesh.soup) < 0) {
-    turn(mesh.soup);
-    mesh.warnings.push_back("most of the mesh faces inward; it was turned inside out");
-  }
-  if (mesh.method == SignMethod::winding && diagnosis.boundary_edges > 0) {
-    mesh.warnings.push_back(
-        fmt::format("the mesh is open ({} boundary edges): inside is where it winds around by more "
-                    "than half, and "
-                    "wide holes get a rough cap; an open sheet or terrain wants --sign unsigned",
-                    diagnosis.boundary_edges));
-  }
+  mesh.warnings = orient_mesh(mesh.soup, diagnosis);
   if (mesh.method == SignMethod::normal) {
     mesh.topology = std::make_shared<Topology>(mesh.soup);
   } else {
