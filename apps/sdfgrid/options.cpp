@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "sdfgrid/core/atomic_file.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/words.h"
 
@@ -32,15 +33,18 @@ void check_output(const Output& output) {
       output.extensions.end()) {
     refuse("the output must be named " + one_of(output.extensions));
   }
-  const fs::path target(output.path);
+  const fs::path target(follow_links(output.path));
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) {
     refuse(fmt::format("there is no folder {}; create it first", folder.string()));
   }
-  if (fs::exists(target, ignored)) {
+  // A link that leads nowhere is something that exists, too.
+  if (fs::exists(fs::symlink_status(output.path, ignored))) {
     // A rename over /dev/null would replace the device for everybody.
-    if (!fs::is_regular_file(target, ignored)) refuse("exists and is not a plain file");
+    if (fs::exists(target, ignored) && !fs::is_regular_file(target, ignored)) {
+      refuse("exists and is not a plain file");
+    }
     if (!output.force) refuse("exists already; give --force to write over it, or another name");
   }
   if (::access(folder.c_str(), W_OK) != 0) {

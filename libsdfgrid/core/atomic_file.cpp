@@ -74,10 +74,22 @@ void remove_temporaries() noexcept {
   for (const auto& file : registry().files) std::filesystem::remove(file, ignored);
 }
 
+std::string follow_links(const std::string& path) {
+  namespace fs = std::filesystem;
+  constexpr int kMostLinks = 40;  // as Linux has it
+  fs::path at(path);
+  std::error_code none;
+  for (int i = 0; i < kMostLinks; ++i) {
+    if (!fs::is_symlink(fs::symlink_status(at, none))) return at.string();
+    at = at.parent_path() / fs::read_symlink(at);
+  }
+  throw Error(ErrorKind::failed, path + ": the link leads to itself");
+}
+
 void write_atomically(const std::string& path,
                       const std::function<void(const std::string& temporary)>& write) {
   namespace fs = std::filesystem;
-  const fs::path target(path);
+  const fs::path target(follow_links(path));
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   if (!fs::is_directory(folder)) {
     throw Error(ErrorKind::failed, folder.string() + ": no such folder; create it first");
@@ -89,6 +101,8 @@ void write_atomically(const std::string& path,
   try {
     write(temporary.string());
     flush_to_disk(temporary.string(), path);
+    const fs::file_status before = fs::status(target, ignored);
+    if (fs::exists(before)) fs::permissions(temporary, before.permissions(), ignored);
     std::error_code failed;
     fs::rename(temporary, target, failed);
     if (failed) throw Error(ErrorKind::failed, path + ": " + failed.message());
