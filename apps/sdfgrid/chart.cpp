@@ -244,8 +244,9 @@ void report_front(const std::vector<ChartPoint>& points, Context& context) {
   }
 }
 
-Exit run(const Options& options, Context& context) {
+Exit run(const Options& options, const CLI::App& app, Context& context) {
   check_output(options.output);
+  check_options_for(app, {kind_of(options.input, options.surface.iso.has_value())});
   for (const Output& output : outputs(options)) check_output(output);
   Stopwatch watch;
   const Subject subject = load_subject(options, context);
@@ -298,7 +299,7 @@ Run add_chart(CLI::App& app) {
       ->capture_default_str();
   add_surface_options(app, options->surface);
   add_scene_options(app, options->time);
-  return [options](Context& context) { return run(*options, context); };
+  return [options, &app](Context& context) { return run(*options, app, context); };
 }
 
 }  // namespace sdfgrid::cli

@@ -27,10 +27,8 @@ struct Options {
 using Shape = std::variant<Grid, TriangleSoup>;
 
 Shape load(const std::string& path, const Options& options, Context& context) {
-  if (extension_of(path) == ".vdb") return read_grid(path);
-  SurfaceOptions surface = options.surface;
-  if (!names_volume(path)) surface.iso.reset();  // it is for the other one
-  return load_surface(path, surface, context).soup;
+  if (extension_of(path) == ".vdb") return read_distances(path, false);
+  return load_surface(path, options.surface, context).soup;
 }
 
 // The keys of the contract for one summary; `voxel` is 0 where there is no grid.
@@ -149,7 +147,9 @@ Exit compare_with_mesh(const Grid& grid, const TriangleSoup& mesh, const Options
   return options.tolerance || holds ? asked : Exit::missed;
 }
 
-Exit run(const Options& options, Context& context) {
+Exit run(const Options& options, const CLI::App& app, Context& context) {
+  // A .vdb is a grid here, with --iso too: that is for the other side.
+  check_options_for(app, {kind_of(options.a, false), kind_of(options.b, false)});
   Stopwatch watch;
   const Shape a = load(options.a, options, context);
   const Shape b = load(options.b, options, context);
@@ -191,7 +191,7 @@ Run add_compare(CLI::App& app) {
                  "that the grid states takes its place")
       ->check(CLI::NonNegativeNumber & finite_number());
   add_surface_options(app, options->surface);
-  return [options](Context& context) { return run(*options, context); };
+  return [options, &app](Context& context) { return run(*options, app, context); };
 }
 
 }  // namespace sdfgrid::cli

@@ -68,10 +68,7 @@ struct Extent {
 };
 
 Extent extent_of(const Grid& grid) {
-  glm::ivec3 lo;
-  glm::ivec3 hi;
-  grid.active_bounds(lo, hi);
-  return {hi - lo + 1, grid.lattice().voxel, grid.active_voxels(), grid.bricks(), grid.bytes()};
+  return {grid.dims(), grid.lattice().voxel, grid.active_voxels(), grid.bricks(), grid.bytes()};
 }
 
 Extent extent_of(const Volume& volume) {
@@ -135,6 +132,11 @@ bool names_dense(const std::string& path) {
   return std::find(dense.begin(), dense.end(), extension_of(path)) != dense.end();
 }
 
+// Whether the output can hold voxels of that size; call it before any work.
+void check_voxel(const Options& options, double voxel) {
+  if (!names_dense(options.output.path)) check_storable(voxel);
+}
+
 void report_seconds(const Surface& surface, const Conversion& conversion, Json seconds,
                     Context& context) {
   const double write_seconds = seconds["write"];
@@ -190,7 +192,7 @@ Exit run_surface(const Options& options, Context& context) {
   const Surface surface = load_surface(options.input, options.surface, context);
   watch.lap("read");
   const ConvertOptions convert = convert_options(options, surface);
-  check_storable(choose_lattice(surface.soup, convert).voxel);
+  check_voxel(options, choose_lattice(surface.soup, convert).voxel);
   const ConvertMethod method = select_methods({options.method}, convert, false).front();
   std::optional<Volume> dense;
   const Conversion conversion =
@@ -218,6 +220,8 @@ Exit run_within(const Options& options, Context& context) {
   ConvertOptions convert = options.convert;
   convert.band = band_of(options);
   convert.transform = options.transform.options();
+  convert.dim = choice_dims().front();  // the coarsest that is tried
+  check_voxel(options, choose_lattice(surface.soup, convert).voxel);
   const glm::dvec3 size = bounds(surface.soup).size();
   ChooseOptions choose = choose_options(options.tolerance, std::max({size.x, size.y, size.z}));
   choose.methods = options.methods;
@@ -258,7 +262,7 @@ Exit run_scene(const Options& options, Context& context) {
   convert.band = band_of(options);
   convert.max_memory = options.convert.max_memory;
   const bool search = !options.tolerance.tolerance.empty();
-  if (!search) check_storable(choose_lattice(scene.field, convert).voxel);
+  if (!search) check_voxel(options, choose_lattice(scene.field, convert).voxel);
   Made made{{},
             std::nullopt,
             "field",
@@ -268,14 +272,17 @@ Exit run_scene(const Options& options, Context& context) {
   std::size_t evaluated = 0;
   bool within = true;
   if (search) {
-    const Choice choice = choose_scene(scene, options, convert, context);
+    const Choice choice =
+        naming(options.input, [&] { return choose_scene(scene, options, convert, context); });
     made.grid = choice.conversion.grid;
     within = choice.within;
   } else if (options.dense) {
-    made.dense = convert_dense(scene.field, convert, context.job());
+    made.dense =
+        naming(options.input, [&] { return convert_dense(scene.field, convert, context.job()); });
     evaluated = made.dense->size();
   } else {
-    FieldConversion conversion = convert_field(scene.field, convert, context.job());
+    FieldConversion conversion =
+        naming(options.input, [&] { return convert_field(scene.field, convert, context.job()); });
     made.grid = conversion.grid;
     evaluated = conversion.evaluated;
   }
@@ -293,8 +300,9 @@ Exit run_scene(const Options& options, Context& context) {
   return within ? Exit::done : Exit::missed;
 }
 
-Exit run(const Options& options, Context& context) {
+Exit run(const Options& options, const CLI::App& app, Context& context) {
   check_output(options.output);
+  check_options_for(app, {kind_of(options.input, options.surface.iso.has_value())});
   if (names_scene(options.input)) return run_scene(options, context);
   return options.tolerance.tolerance.empty() ? run_surface(options, context)
                                              : run_within(options, context);
@@ -337,7 +345,7 @@ Run add_convert(CLI::App& app) {
   app.add_option("--max-memory", options->convert.max_memory,
                  "refuse to take more than this, as in 8GB (default: 80 % of what is free)")
       ->transform(CLI::AsSizeValue(false));
-  return [options](Context& context) { return run(*options, context); };
+  return [options, &app](Context& context) { return run(*options, app, context); };
 }
 
 }  // namespace sdfgrid::cli

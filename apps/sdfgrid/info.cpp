@@ -85,11 +85,7 @@ void report_mesh(const MeshFile& file, Context& context) {
 }
 
 void report_samples(const Grid& grid, Context& context) {
-  glm::ivec3 lo;
-  glm::ivec3 hi;
-  grid.active_bounds(lo, hi);
-  const bool empty = lo.x > hi.x || lo.y > hi.y || lo.z > hi.z;
-  const glm::ivec3 dims = empty ? glm::ivec3(0) : hi - lo + 1;
+  const glm::ivec3 dims = grid.dims();
   Json& result = context.result();
   result["dims"] = {dims.x, dims.y, dims.z};
   result["active_voxels"] = grid.active_voxels();
@@ -120,7 +116,7 @@ void report_metadata(const Grid& grid, double voxel, Context& context) {
 
 void report_grid(const Grid& grid, Context& context) {
   const Lattice lattice = grid.lattice();
-  const std::string_view grid_class = grid.is_level_set() ? "level set" : "unknown";
+  const std::string grid_class = grid.grid_class();
   const double band = grid.background() / lattice.voxel;
   Json& result = context.result();
   result["kind"] = "grid";
@@ -184,7 +180,8 @@ void report_scene(const std::string& path, Context& context) {
                 scene.materials.size(), ends ? "" : "; without end");
 }
 
-Exit run(const Options& options, Context& context) {
+Exit run(const Options& options, const CLI::App& app, Context& context) {
+  check_options_for(app, {kind_of(options.input, false)});
   if (names_scene(options.input)) {
     report_scene(options.input, context);
     return Exit::done;
@@ -211,7 +208,7 @@ Run add_info(CLI::App& app) {
                  "mesh (.obj, .ply, .stl, .off, .om), volume, grid (.vdb) or scene (.yaml, .json)")
       ->required();
   add_volume_options(app, options->volume);
-  return [options](Context& context) { return run(*options, context); };
+  return [options, &app](Context& context) { return run(*options, app, context); };
 }
 
 }  // namespace sdfgrid::cli

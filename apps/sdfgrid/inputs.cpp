@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "options.h"
+#include "scenes.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/grid/dense.h"
 #include "sdfgrid/grid/grid.h"
@@ -31,6 +32,41 @@ glm::dvec3 parse_spacing(const std::string& text) {
     throw CLI::ValidationError("--spacing", "'" + text + "' must be three numbers above 0");
   }
   return v;
+}
+
+struct OptionUse {
+  const char* option;
+  std::vector<InputKind> kinds;  // that it has an effect on
+};
+
+// Whatever is not here has an effect on every input of the subcommands that take it.
+const std::vector<OptionUse> kOptionUses = {
+    {"--iso", {InputKind::volume}},
+    {"--below", {InputKind::volume}},
+    {"--largest", {InputKind::volume}},
+    {"--spacing", {InputKind::volume}},
+    {"--raw-dims", {InputKind::volume}},
+    {"--time", {InputKind::scene}},
+    {"--sign", {InputKind::mesh, InputKind::volume}},
+    {"--method", {InputKind::mesh, InputKind::volume}},
+    {"--methods", {InputKind::mesh, InputKind::volume}},
+    {"--bucket", {InputKind::mesh, InputKind::volume}},
+    {"--mask", {InputKind::mesh, InputKind::volume}},
+    {"--dim", {InputKind::mesh, InputKind::volume, InputKind::scene}},
+};
+
+std::string plural(InputKind kind) {
+  switch (kind) {
+    case InputKind::mesh:
+      return "meshes";
+    case InputKind::volume:
+      return "volumes";
+    case InputKind::grid:
+      return "grids";
+    case InputKind::scene:
+      break;
+  }
+  return "scenes";
 }
 
 VolumeFile read_any_volume(const std::string& path, const VolumeOptions& options,
@@ -105,16 +141,46 @@ void add_surface_options(CLI::App& app, SurfaceOptions& options) {
   add_volume_options(app, options.volume);
 }
 
-bool gives_volume(const std::string& path, const SurfaceOptions& options) {
-  return names_volume(path) || (options.iso && extension_of(path) == ".vdb");
+InputKind kind_of(const std::string& path, bool iso) {
+  if (names_scene(path)) return InputKind::scene;
+  if (names_volume(path)) return InputKind::volume;
+  if (extension_of(path) == ".vdb") return iso ? InputKind::volume : InputKind::grid;
+  return InputKind::mesh;
+}
+
+void check_options_for(const CLI::App& app, const std::vector<InputKind>& inputs) {
+  for (const OptionUse& use : kOptionUses) {
+    const CLI::Option* option = app.get_option_no_throw(use.option);
+    if (option == nullptr || option->count() == 0) continue;
+    const bool used = std::any_of(inputs.begin(), inputs.end(), [&](InputKind kind) {
+      return std::find(use.kinds.begin(), use.kinds.end(), kind) != use.kinds.end();
+    });
+    if (used) continue;
+    std::vector<std::string> kinds;
+    for (const InputKind kind : use.kinds) kinds.push_back(plural(kind));
+    throw Error(ErrorKind::usage, fmt::format("{} is for {}, not for {}", use.option, one_of(kinds),
+                                              plural(inputs.front())));
+  }
+}
+
+Grid read_distances(const std::string& path, bool sides) {
+  Grid grid = read_grid(path);
+  const std::string word = grid.grid_class();
+  if (grid.is_level_set() || (word == "unknown" && !sides)) return grid;
+  if (grid.metadata("sdfgrid:sign") == "unsigned") {
+    throw input_error(path, "", "its distances have no sign, and so no inside",
+                      "convert the mesh with --sign winding, or use the mesh itself");
+  }
+  throw input_error(path, "", fmt::format("its class is '{}', not 'level set'", word),
+                    "where --iso is taken, give with it the value at the surface; or make a level "
+                    "set by `sdfgrid convert --iso`");
 }
 
 Surface load_surface(const std::string& path, const SurfaceOptions& options, Context& context) {
   const Job& job = context.job();
   Stopwatch watch;
   Surface surface;
-  if (!gives_volume(path, options)) {
-    if (options.iso) throw Error(ErrorKind::usage, path + ": --iso is for volumes, not meshes");
+  if (kind_of(path, options.iso.has_value()) != InputKind::volume) {
     MeshFile mesh = read_mesh(path, job);
     for (const std::string& warning : mesh.warnings) context.warn(path + ": " + warning);
     surface.soup = std::move(mesh.soup);

@@ -1,13 +1,16 @@
-// apps/sdfgrid/inputs.h: what subcommands take as input besides grids: meshes, and volumes with a
-// value at which their surface lies. One place decides what a path names.
+// apps/sdfgrid/inputs.h: what subcommands take as input: meshes, volumes with a value at which
+// their surface lies, grids. One place decides what a path names, and which options that makes
+// sense of.
 #pragma once
 
 #include <CLI/CLI.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command.h"
+#include "sdfgrid/grid/grid.h"
 #include "sdfgrid/mesh/soup.h"
 #include "sdfgrid/volume/read.h"
 #include "sdfgrid/volume/volume.h"
@@ -54,11 +57,21 @@ struct Surface {
   double isosurface_seconds = 0;
 };
 
-// Whether load_surface() would read a volume: by its name, or because --iso was given for a .vdb.
-[[nodiscard]] bool gives_volume(const std::string& path, const SurfaceOptions& options);
+enum class InputKind { mesh, volume, grid, scene };
+
+// What a path names. A .vdb is a volume if --iso is given, else a grid.
+[[nodiscard]] InputKind kind_of(const std::string& path, bool iso);
+
+// Refuses options that would have no effect. Throws Error{usage}, naming the option, if one was
+// given that none of the inputs' kinds makes sense of.
+void check_options_for(const CLI::App& app, const std::vector<InputKind>& inputs);
+
+// Reads the distances of a .vdb. Throws Error{input} for what holds no distances, such as fog, and,
+// if `sides`, for distances without inside and outside.
+[[nodiscard]] Grid read_distances(const std::string& path, bool sides);
 
 // Reads a mesh, or a volume and its surface at --iso. Throws Error{usage} for a volume without
-// --iso, naming the range of its samples, or --iso for a mesh.
+// --iso, naming the range of its samples.
 [[nodiscard]] Surface load_surface(const std::string& path, const SurfaceOptions& options,
                                    Context& context);
 

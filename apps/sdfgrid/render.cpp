@@ -117,20 +117,10 @@ struct Content {
   Grid grid;                        // where there is no scene
 };
 
-// Rays hit where the sign changes, which unsigned distances never do.
-Grid read_signed_grid(const std::string& path) {
-  Grid grid = read_grid(path);
-  if (grid.metadata("sdfgrid:sign") == "unsigned") {
-    throw input_error(path, "", "its distances have no sign, so that no ray can hit a surface",
-                      "convert the mesh with --sign winding, or render the mesh itself");
-  }
-  return grid;
-}
-
 // The grid itself, or the surface converted: two pixels or so a voxel, finer would not show.
 Grid load(const Options& options, Context& context) {
   if (extension_of(options.input) == ".vdb" && !options.surface.iso) {
-    return read_signed_grid(options.input);
+    return read_distances(options.input, true);  // rays hit where the sign changes
   }
   const Surface surface = load_surface(options.input, options.surface, context);
   ConvertOptions convert;
@@ -165,7 +155,8 @@ Content load_shown_scene(Options& options, Context& context) {
   FieldConvertOptions convert;
   const int pixels = std::max(options.width, options.height);
   convert.dim = options.dim > 0 ? options.dim : std::clamp(pixels / 3, 64, 512);
-  const FieldConversion conversion = convert_field(field, convert, context.job());
+  const FieldConversion conversion =
+      naming(options.input, [&] { return convert_field(field, convert, context.job()); });
   Content content{
       make_atlas(conversion.grid, context.job()), nullptr, std::move(model.materials), {}};
   const Box box = field.bounds();
@@ -316,8 +307,9 @@ void trace_and_shade(const Options& options, const Content& content,
   watch.lap("shade");
 }
 
-Exit run(Options options, Context& context) {
+Exit run(Options options, const CLI::App& app, Context& context) {
   check_output(options.output);
+  check_options_for(app, {kind_of(options.input, options.surface.iso.has_value())});
   check_aovs(options);
   // Hits, picture, image and its file are there at once.
   constexpr double kBytesPerPixel = 80;
@@ -385,7 +377,7 @@ Run add_render(CLI::App& app) {
       ->check(CLI::Range(1, 256));
   app.add_flag_callback(
       "--no-floor", [options] { options->look.floor = false; }, "no shadow under the content");
-  return [options](Context& context) { return run(*options, context); };
+  return [options, &app](Context& context) { return run(*options, app, context); };
 }
 
 }  // namespace sdfgrid::cli

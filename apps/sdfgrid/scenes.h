@@ -5,6 +5,7 @@
 #include <string>
 
 #include "command.h"
+#include "sdfgrid/core/error.h"
 #include "sdfgrid/scene/build.h"
 
 namespace sdfgrid::cli {
@@ -17,5 +18,16 @@ void add_scene_options(CLI::App& app, double& time);
 
 // Reads a scene and makes its field; warnings go to the context.
 [[nodiscard]] SceneModel load_scene(const std::string& path, double time, Context& context);
+
+// What `work` returns; if it refuses the scene, the message names the file.
+template <class Work>
+auto naming(const std::string& path, const Work& work) {
+  try {
+    return work();
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::input) throw;
+    throw Error(ErrorKind::input, path + ": " + e.what());
+  }
+}
 
 }  // namespace sdfgrid::cli

@@ -22,6 +22,9 @@ constexpr int kEdge = 8;        // samples of a brick
 constexpr int kBlock = 4;       // samples of a block: a brick has 2^3
 constexpr int kTaskEdge = 128;  // samples of what one thread takes at a time
 constexpr double kMostVoxels = 1e8;
+constexpr const char* kNothing =
+    "there is nothing to convert: the solid is empty; look for an intersection or a difference "
+    "that leaves nothing";
 constexpr double kLeafBytes = sizeof(openvdb::FloatTree::LeafNodeType) + 512 * sizeof(float) + 64;
 
 // A cube of lattice points: its lowest index and how many points a side.
@@ -244,6 +247,7 @@ class FieldConverter {
   }
 
   FieldConversion assemble() {
+    if (bricks_ == 0) throw Error(ErrorKind::input, kNothing);
     const auto vdb = make_level_set(lattice_, options_.band);
     openvdb::tree::ValueAccessor<openvdb::FloatTree> accessor(vdb->tree());
     for (Part& part : parts_) {
@@ -270,7 +274,7 @@ class FieldConverter {
 
 Lattice choose_lattice(const Field& field, const FieldConvertOptions& options) {
   const Box box = field.bounds();
-  if (box.empty()) throw Error(ErrorKind::input, "there is nothing to convert: the solid is empty");
+  if (box.empty()) throw Error(ErrorKind::input, kNothing);
   for (int a = 0; a < 3; ++a) {
     if (std::isfinite(box.lo[a]) && std::isfinite(box.hi[a])) continue;
     throw Error(ErrorKind::input, fmt::format("the solid has no end along {}; intersect it with a "

@@ -26,6 +26,10 @@ Lattice Grid::lattice() const {
 
 float Grid::background() const { return storage_->vdb->background(); }
 
+std::string Grid::grid_class() const {
+  return openvdb::GridBase::gridClassToString(storage_->vdb->getGridClass());
+}
+
 bool Grid::is_level_set() const { return storage_->vdb->getGridClass() == openvdb::GRID_LEVEL_SET; }
 
 std::size_t Grid::active_voxels() const { return storage_->vdb->activeVoxelCount(); }
@@ -40,6 +44,14 @@ void Grid::active_bounds(glm::ivec3& lo, glm::ivec3& hi) const {
   const openvdb::CoordBBox box = storage_->vdb->evalActiveVoxelBoundingBox();
   lo = {box.min().x(), box.min().y(), box.min().z()};
   hi = {box.max().x(), box.max().y(), box.max().z()};
+}
+
+glm::ivec3 Grid::dims() const {
+  glm::ivec3 lo;
+  glm::ivec3 hi;
+  active_bounds(lo, hi);
+  const bool empty = lo.x > hi.x || lo.y > hi.y || lo.z > hi.z;
+  return empty ? glm::ivec3(0) : hi - lo + 1;
 }
 
 Box Grid::bounds() const {

@@ -24,12 +24,17 @@ class Grid {
   [[nodiscard]] Lattice lattice() const;
   // Distance stored beyond the band, world units, > 0. Inside it may differ (--inwidth).
   [[nodiscard]] float background() const;
-  [[nodiscard]] bool is_level_set() const;  // signed, negative inside; else distances without sign
+  // OpenVDB's word: "level set" (signed, negative inside), "unknown" (distances without sign, or
+  // anything), "fog volume" (no distances), "staggered".
+  [[nodiscard]] std::string grid_class() const;
+  [[nodiscard]] bool is_level_set() const;
   [[nodiscard]] std::size_t active_voxels() const;
   [[nodiscard]] std::size_t bricks() const;  // 8^3 leaves
   [[nodiscard]] std::size_t bytes() const;   // memory of trees and voxels, paint included
   // Index box of the active voxels, inclusive; lo > hi if there are none.
   void active_bounds(glm::ivec3& lo, glm::ivec3& hi) const;
+  // Samples of that box along each axis; zeros if there are none.
+  [[nodiscard]] glm::ivec3 dims() const;
   // World box of the active voxels; empty if there are none.
   [[nodiscard]] Box bounds() const;
   // Value at an index point, world units, negative inside.

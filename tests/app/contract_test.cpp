@@ -102,6 +102,85 @@ TEST_F(Contract, AnOutputThatIsNoPlainFileIsRefusedEvenByForce) {
   EXPECT_TRUE(std::filesystem::is_fifo(pipe));
 }
 
+// Who keeps results on another disk by a link means the file there.
+TEST_F(Contract, ForceWritesThroughALinkAndKeepsPermissions) {
+  namespace fs = std::filesystem;
+  fs::create_directory(folder_.path("disk"));
+  const std::string real = folder_.path("disk/real.vdb");
+  std::ofstream(real) << "precious";
+  fs::permissions(real, fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink("disk/real.vdb", grid_);
+  const std::vector<std::string> convert = {"convert", cube_, "-o", grid_, "--dim", "8"};
+  EXPECT_EQ(run(convert).exit, 2);
+  EXPECT_EQ(read_file(real), "precious");
+  std::vector<std::string> forced = convert;
+  forced.push_back("--force");
+  ASSERT_EQ(run(forced).exit, 0);
+  EXPECT_TRUE(fs::is_symlink(grid_));
+  EXPECT_GT(fs::file_size(real), 1000U);
+  EXPECT_EQ(fs::status(real).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+
+  fs::remove(real);  // a link that leads nowhere exists, too
+  EXPECT_EQ(run(convert).exit, 2);
+  EXPECT_FALSE(fs::exists(real));
+  ASSERT_EQ(run(forced).exit, 0);
+  EXPECT_TRUE(fs::is_symlink(grid_));
+  EXPECT_TRUE(fs::exists(real));
+
+  fs::remove(grid_);
+  fs::create_symlink("cube.vdb", grid_);  // itself
+  EXPECT_EQ(run(forced).exit, 1);
+}
+
+// What would have no effect is a mistake of the caller's, named.
+TEST_F(Contract, OptionsWithoutEffectAreRefused) {
+  const std::string scene =
+      folder_.write("s.yaml", "sdfgrid: 1\nscene:\n  - sphere: {radius: 1}\n");
+  ASSERT_EQ(run({"convert", cube_, "-o", grid_, "--dim", "8"}).exit, 0);
+  const std::string out = folder_.path("out.vdb");
+  const std::string npy = folder_.path("out.npy");
+  const std::string png = folder_.path("out.png");
+  const std::vector<std::vector<std::string>> calls = {
+      {"convert", scene, "-o", out, "--dim", "8", "--method", "fmm"},
+      {"convert", scene, "-o", out, "--dim", "8", "--sign", "winding"},
+      {"convert", scene, "-o", out, "--dim", "8", "--iso", "1"},
+      {"convert", cube_, "-o", out, "--dim", "8", "--iso", "1"},
+      {"convert", cube_, "-o", out, "--dim", "8", "--below"},
+      {"convert", cube_, "-o", out, "--dim", "8", "--largest"},
+      {"convert", cube_, "-o", out, "--dim", "8", "--spacing", "1,1,1"},
+      {"convert", cube_, "-o", out, "--dim", "8", "--raw-dims", "2,2,2"},
+      {"convert", cube_, "-o", out, "--dim", "8", "--time", "1"},
+      {"convert", cube_, "-o", out, "--tolerance", "0.1", "--method", "fmm"},
+      {"compare", grid_, cube_, "--iso", "1"},
+      {"compare", grid_, grid_, "--largest"},
+      {"render", grid_, "-o", png, "--size", "8x8", "--dim", "64"},
+      {"render", scene, "-o", png, "--size", "8x8", "--below"},
+      {"sample", cube_, "-o", npy, "--random", "9", "--time", "1"},
+      {"sample", cube_, "-o", npy, "--points", cube_, "--near-surface"},
+      {"info", cube_, "--spacing", "1,1,1"},
+  };
+  for (const std::vector<std::string>& call : calls) {
+    const Outcome outcome = run(call);
+    std::string named = call.back().starts_with("--") ? call.back() : call[call.size() - 2];
+    EXPECT_EQ(outcome.exit, 2) << call[0] << ' ' << named;
+    EXPECT_NE(outcome.error.find(named), std::string::npos) << outcome.error;
+  }
+  EXPECT_EQ(folder_.files(), (Names{"cube.off", "cube.vdb", "s.yaml"}));
+}
+
+// A .vdb holds no voxels below 1.45e-5 units; other files do.
+TEST_F(Contract, TinyVoxelsAreRefusedWhereTheOutputCannotHoldThem) {
+  const std::string tiny = folder_.write("tiny.off",
+                                         "OFF\n4 4 0\n0 0 0\n1e-6 0 0\n0 1e-6 0\n0 0 1e-6\n"
+                                         "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n");
+  EXPECT_EQ(run({"convert", tiny, "-o", grid_, "--dim", "8"}).exit, 2);
+  EXPECT_EQ(run({"convert", tiny, "-o", folder_.path("t.nrrd"), "--dim", "8"}).exit, 0);
+  EXPECT_EQ(run({"convert", tiny, "-o", folder_.path("t.npy"), "--dim", "8"}).exit, 0);
+  const Outcome search = run({"convert", tiny, "-o", grid_, "--tolerance", "5%"});
+  EXPECT_EQ(search.exit, 2);
+  EXPECT_EQ(search.error.find("voxelize"), std::string::npos) << "before any work";
+}
+
 TEST_F(Contract, MissingFolderIsFoundBeforeAnyWork) {
   const Outcome outcome = run({"convert", cube_, "-o", folder_.path("no/where.vdb")});
   EXPECT_EQ(outcome.exit, 2);

@@ -8,6 +8,7 @@
 
 #include "app/process.h"
 #include "render/scenes.h"
+#include "sdfgrid/grid/vdb.h"
 #include "sdfgrid/image/image.h"
 
 namespace sdfgrid::test {
@@ -164,6 +165,27 @@ TEST_F(RenderApp, AnEmptyGridIsAWarningAndTheBackground) {
   EXPECT_EQ(result["hits"], 0);
   ASSERT_EQ(result["warnings"].size(), 1U);
   EXPECT_NE(outcome.error.find("no surface"), std::string::npos) << outcome.error;
+}
+
+// Density is no distance: tracing it as one would show something, and be wrong.
+TEST_F(RenderApp, FogNeedsAnIsoValue) {
+  Grid fog = unit_sphere();
+  vdb(fog)->setGridClass(openvdb::GRID_FOG_VOLUME);
+  write_grid(fog, ball_);
+  EXPECT_EQ(json::parse(run({"info", ball_, "--json"}).out)["class"], "fog volume");
+  const std::string npy = folder_.path("a.npy");
+  for (const std::vector<std::string>& call :
+       {std::vector<std::string>{"render", ball_, "-o", png_, "--size", "8x8"},
+        {"sample", ball_, "-o", npy, "--random", "9"},
+        {"compare", ball_, ball_}}) {
+    const Outcome outcome = run(call);
+    EXPECT_EQ(outcome.exit, 4) << call[0];
+    EXPECT_NE(outcome.error.find("fog volume"), std::string::npos) << outcome.error;
+    EXPECT_NE(outcome.error.find("--iso"), std::string::npos) << outcome.error;
+  }
+  const Outcome shown = render({"-o", png_, "--iso", "0", "--below"});
+  ASSERT_EQ(shown.exit, 0) << shown.error;
+  EXPECT_GT(json::parse(shown.out)["hits"], 100);
 }
 
 TEST_F(RenderApp, InsideIsAWarning) {

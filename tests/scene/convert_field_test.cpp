@@ -110,6 +110,10 @@ TEST(ConvertField, RefusesWhatHasNoEndOrNoInside) {
   FieldConvertOptions options;
   EXPECT_EQ(refusal(field_of("{plane: {}}"), options), ErrorKind::input);
   EXPECT_EQ(refusal(Field(), options), ErrorKind::input);
+  // Their boxes meet, the balls do not.
+  const char* apart =
+      "{intersection: [{sphere: {radius: 1}}, {sphere: {radius: 1}, at: [1.5, 1.5, 0]}]}";
+  EXPECT_EQ(refusal(field_of(apart), options), ErrorKind::input);
   options.voxel = 1e-12;
   EXPECT_EQ(refusal(field_of(kScenes[0]), options), ErrorKind::usage);
   options = {};

@@ -58,6 +58,19 @@ TEST_F(SceneApp, RefusesBrokenStructureWithItsLine) {
   EXPECT_NE(outcome.error.find("line"), std::string::npos) << outcome.error;
 }
 
+TEST_F(SceneApp, RefusesASceneWithNothingInIt) {
+  const std::string apart = folder_.write("apart.yaml",
+                                          "sdfgrid: 1\n"
+                                          "scene:\n"
+                                          "  - intersection:\n"
+                                          "      - sphere: {radius: 1}\n"
+                                          "      - {sphere: {radius: 1}, at: [1.5, 1.5, 0]}\n");
+  const Outcome outcome = run({"convert", apart, "-o", folder_.path("apart.vdb")});
+  EXPECT_EQ(outcome.exit, 4) << outcome.out;
+  EXPECT_NE(outcome.error.find("apart.yaml"), std::string::npos) << outcome.error;
+  EXPECT_EQ(folder_.files(), (std::vector<std::string>{"apart.yaml", "scene.yaml"}));
+}
+
 TEST_F(SceneApp, ShapesListsEveryOp) {
   const Outcome outcome = run({"shapes"});
   ASSERT_EQ(outcome.exit, 0);
