@@ -12,6 +12,8 @@
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/grid/atlas.h"
+#include "sdfgrid/mesh/diagnose.h"
+#include "sdfgrid/mesh/orient.h"
 #include "sdfgrid/mesh/read.h"
 #include "sdfgrid/mesh/reference.h"
 #include "sdfgrid/scene/files.h"
@@ -41,7 +43,7 @@ struct Sampled {
 };
 
 Sampled sampled_grid(const std::string& path, const Job& job) {
-  const Grid grid = read_grid(path);
+  const Grid grid = read_distances(path, false);
   const auto atlas = std::make_shared<const Atlas>(make_atlas(grid, job));
   const double half = 0.5 * grid.lattice().voxel;
   const auto value = [atlas](const glm::dvec3& p) { return double(distance_at(*atlas, p)); };
@@ -58,9 +60,13 @@ Sampled sampled_grid(const std::string& path, const Job& job) {
           }};
 }
 
+// As `convert` and `compare` see it: turned where it is inside out.
 Sampled sampled_mesh(const std::string& path, Context& context) {
-  const MeshFile mesh = read_mesh(path, context.job());
-  for (const std::string& warning : mesh.warnings) context.warn(warning);
+  MeshFile mesh = read_mesh(path, context.job());
+  for (const std::string& warning : mesh.warnings) context.warn(path + ": " + warning);
+  for (const std::string& warning : orient_mesh(mesh.soup, diagnose(mesh.soup))) {
+    context.warn(path + ": " + warning);
+  }
   const auto reference = std::make_shared<const ReferenceDistance>(mesh.soup);
   const auto signed_value = [reference](const glm::dvec3& p) {
     return reference->signed_distance(p);
@@ -153,25 +159,27 @@ std::vector<glm::dvec3> random_points(const Options& options, const Sampled& sam
   return points;
 }
 
-std::vector<float> make_table(const Options& options, const Sampled& sampled,
-                              const std::vector<glm::dvec3>& points, const Job& job) {
+// Rows in double: as floats, positions in survey coordinates would be others than those that the
+// distances belong to.
+std::vector<double> make_table(const Options& options, const Sampled& sampled,
+                               const std::vector<glm::dvec3>& points, const Job& job) {
   const std::size_t columns = options.gradient ? 7 : 4;
-  std::vector<float> table(points.size() * columns);
+  std::vector<double> table(points.size() * columns);
   parallel_for(points.size(), 512, job, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const ValueGradient r = sampled.at(points[i]);
-      float* row = table.data() + i * columns;
-      for (int a = 0; a < 3; ++a) row[a] = static_cast<float>(points[i][a]);
-      row[3] = static_cast<float>(r.value);
-      for (int a = 0; a < 3 && options.gradient; ++a)
-        row[4 + a] = static_cast<float>(r.gradient[a]);
+      double* row = table.data() + i * columns;
+      for (int a = 0; a < 3; ++a) row[a] = points[i][a];
+      row[3] = r.value;
+      for (int a = 0; a < 3 && options.gradient; ++a) row[4 + a] = r.gradient[a];
     }
   });
   return table;
 }
 
-Exit run(const Options& options, Context& context) {
+Exit run(const Options& options, const CLI::App& app, Context& context) {
   check_output(options.output);
+  check_options_for(app, {kind_of(options.input, false)});
   if (options.points.empty() == (options.random == 0)) {
     throw Error(ErrorKind::usage, "give either --points FILE or --random N");
   }
@@ -182,7 +190,7 @@ Exit run(const Options& options, Context& context) {
                                              ? random_points(options, sampled, job)
                                              : read_points(options.points, job);
   watch.lap("read");
-  const std::vector<float> table = make_table(options, sampled, points, job);
+  const std::vector<double> table = make_table(options, sampled, points, job);
   watch.lap("sample");
   write_table(table, options.gradient ? 7 : 4, options.output.path);
   watch.lap("write");
@@ -204,15 +212,19 @@ Run add_sample(CLI::App& app) {
   add_output(app, options->output, {".npy"});
   auto* points = app.add_option("--points", options->points,
                                 "n x 3 array (.npy) of points, or a text with one a line");
-  app.add_option("--random", options->random, "as many points at random in the bounds and around")
-      ->check(CLI::Range(1, 1000000000))
-      ->excludes(points);
+  auto* random = app.add_option("--random", options->random,
+                                "as many points at random in the bounds and around")
+                     ->check(CLI::Range(1, 1000000000))
+                     ->excludes(points);
   app.add_flag("--near-surface", options->near_surface,
-               "random points about the surface, 1 % of the diagonal away");
+               "random points about the surface, 1 % of the diagonal away")
+      ->needs(random);
   app.add_flag("--gradient", options->gradient, "three more columns: the distance's gradient");
-  app.add_option("--seed", options->seed, "of the random points")->capture_default_str();
+  app.add_option("--seed", options->seed, "of the random points")
+      ->needs(random)
+      ->capture_default_str();
   add_scene_options(app, options->time);
-  return [options](Context& context) { return run(*options, context); };
+  return [options, &app](Context& context) { return run(*options, app, context); };
 }
 
 }  // namespace sdfgrid::cli

@@ -157,13 +157,13 @@ void write_volume(const Volume& volume, const std::string& path, const Job& job)
   job.report("write", 1.0);
 }
 
-void write_table(std::span<const float> values, std::size_t columns, const std::string& path) {
+void write_table(std::span<const double> values, std::size_t columns, const std::string& path) {
   if (columns == 0 || values.size() % columns != 0) {
     throw Error(ErrorKind::usage, path + ": the values do not fill the table's rows");
   }
   write_atomically(path, [&](const std::string& temporary) {
     std::ofstream out(temporary, std::ios::binary);
-    out << npy_header("<f4", "False", fmt::format("{}, {}", values.size() / columns, columns));
+    out << npy_header("<f8", "False", fmt::format("{}, {}", values.size() / columns, columns));
     out.write(reinterpret_cast<const char*>(values.data()),
               static_cast<std::streamsize>(values.size_bytes()));
     out.close();

@@ -25,6 +25,6 @@ void write_volume(const Volume& volume, const std::string& path, const Job& job)
 
 // Writes a numpy array of two axes, `values` row by row, as a .npy file. Throws Error{usage} if
 // they are no whole rows, Error{failed} where writing fails.
-void write_table(std::span<const float> values, std::size_t columns, const std::string& path);
+void write_table(std::span<const double> values, std::size_t columns, const std::string& path);
 
 }  // namespace sdfgrid

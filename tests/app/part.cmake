@@ -1,6 +1,7 @@
 # The command line's contract (exit codes, streams, files), kept by the binary itself.
 find_package(nlohmann_json REQUIRED)
 sdfgrid_test(app_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/contract_test.cpp
+                              ${CMAKE_CURRENT_LIST_DIR}/sample_test.cpp
                               ${CMAKE_CURRENT_LIST_DIR}/usage_test.cpp
                               ${CMAKE_CURRENT_LIST_DIR}/progress_test.cpp
                               ${CMAKE_CURRENT_LIST_DIR}/words_test.cpp
