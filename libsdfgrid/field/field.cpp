@@ -1,6 +1,7 @@
 #include "sdfgrid/field/field.h"
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 
 #include "sdfgrid/field/batch_kernel.h"
@@ -45,9 +46,11 @@ struct PartBlock {
 
 std::size_t Field::size() const { return program_->code.size(); }
 
-void Field::evaluate(std::size_t n, const float* x, const float* y, const float* z,
-                     float* out) const {
-  const Program& p = *program_;
+namespace {
+
+// The whole program at n points.
+void run_program(const Program& p, std::size_t n, const float* x, const float* y, const float* z,
+                 float* out) {
   std::vector<const Sampler*> samplers;
   for (const auto& s : p.pool->samplers) samplers.push_back(s.get());
   const BatchProgram program = {p.code.data(), static_cast<int>(p.code.size()),
@@ -73,13 +76,84 @@ void Field::evaluate(std::size_t n, const float* x, const float* y, const float*
   std::copy_n(part.out, n - done, out + done);
 }
 
+// A field of many nodes at many points: points that are near each other together, each group with
+// what pruning leaves of the program around it.
+class GroupedEvaluation {
+ public:
+  GroupedEvaluation(const float* x, const float* y, const float* z, float* out)
+      : p_{x, y, z}, out_(out) {}
+
+  // Asks for what is left where there are at most `ask` points.
+  void run(const Field& field, std::span<std::uint32_t> points, std::size_t ask = kAnyLength) {
+    Box box;
+    for (const std::uint32_t i : points) box.add({p_[0][i], p_[1][i], p_[2][i]});
+    const std::size_t n = points.size();
+    std::optional<Restricted> here;
+    if (n <= ask) {
+      here = field.restricted(box, n == 1 ? kAnyLength : kMostInstructions);
+      if (!here) ask = std::max<std::size_t>(1, n / 8);  // too large a place is so by far, mostly
+    }
+    const Field& left = here ? here->field : field;
+    if (here && (n == 1 || left.size() <= (n <= kLanes ? kMostInstructions : kShort))) {
+      return evaluate(left, points);
+    }
+    int axis = 0;
+    for (int a = 1; a < 3; ++a) axis = box.size()[a] > box.size()[axis] ? a : axis;
+    const std::size_t half = points.size() / 2;
+    const float* c = p_[axis];
+    std::nth_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(half),
+                     points.end(), [&](std::uint32_t i, std::uint32_t j) { return c[i] < c[j]; });
+    run(left, points.first(half), ask);
+    run(left, points.subspan(half), ask);
+  }
+
+ private:
+  static constexpr std::size_t kShort = 16;
+  static constexpr std::size_t kMostInstructions = 128;  // to look at for some points
+
+  void evaluate(const Field& field, std::span<const std::uint32_t> points) {
+    const std::size_t n = points.size();
+    columns_.resize(4 * n);
+    float* const c = columns_.data();
+    for (std::size_t k = 0; k < n; ++k) {
+      for (int a = 0; a < 3; ++a) c[a * n + k] = p_[a][points[k]];
+    }
+    run_program(field.program(), n, c, c + n, c + 2 * n, c + 3 * n);
+    for (std::size_t k = 0; k < n; ++k) out_[points[k]] = c[3 * n + k];
+  }
+
+  const float* p_[3];
+  float* out_;
+  std::vector<float> columns_;
+};
+
+}  // namespace
+
+void Field::evaluate(std::size_t n, const float* x, const float* y, const float* z,
+                     float* out) const {
+  if (program_->starts.empty() || n == 0) return run_program(*program_, n, x, y, z, out);
+  std::vector<std::uint32_t> points;
+  points.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool finite = std::isfinite(x[i]) && std::isfinite(y[i]) && std::isfinite(z[i]);
+    if (finite) points.push_back(static_cast<std::uint32_t>(i));
+    if (!finite) run_program(*program_, 1, x + i, y + i, z + i, out + i);
+  }
+  if (!points.empty()) GroupedEvaluation(x, y, z, out).run(*this, points);
+}
+
 float Field::operator()(const glm::vec3& p) const {
   float out = 0;
   evaluate(1, &p.x, &p.y, &p.z, &out);
   return out;
 }
 
-double Field::slope(const Box& box) const { return std::min(1.0, slope_over(*program_, box)); }
+double Field::slope(const Box& box) const {
+  if (!program_->starts.empty()) {
+    return std::min(1.0, slope_over(pruned(box).program(), box));
+  }
+  return std::min(1.0, slope_over(*program_, box));
+}
 
 Field Field::tagged(int tag) const {
   auto program = std::make_shared<Program>(*program_);

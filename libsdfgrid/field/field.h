@@ -9,7 +9,9 @@
 #include <cstddef>
 #include <glm/vec3.hpp>
 #include <initializer_list>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -51,6 +53,11 @@ struct Argument {
 struct ValueRange {
   double lo, hi;
 };
+
+// Program lengths without limit.
+inline constexpr std::size_t kAnyLength = static_cast<std::size_t>(-1);
+
+struct Restricted;
 
 struct ValueGradient {
   double value;
@@ -100,6 +107,11 @@ class Field {
   // The field over one box, shorter where parts cannot matter there: the same bits at any point of
   // the box, anything elsewhere.
   [[nodiscard]] Field pruned(const Box& box) const;
+  // pruned() and range() at once; nothing if more than `most` instructions had to be looked at.
+  // Where the value is at least `upper`, that of what is left may be another such.
+  [[nodiscard]] std::optional<Restricted> restricted(
+      const Box& box, std::size_t most = kAnyLength,
+      double upper = std::numeric_limits<double>::infinity()) const;
 
   // A function `float NAME(vec3 p)` in GLSL (1.30 and later, or ES 3.00) with the same values up to
   // rounding. Throws Error{input} where a Sampler takes part.
@@ -118,6 +130,12 @@ class Field {
 
  private:
   std::shared_ptr<const Program> program_;
+};
+
+// What is left of a field over a box, and its values there.
+struct Restricted {
+  Field field;
+  ValueRange range;
 };
 
 // The field of an op: leaves have no `of`, range and domain ops one (several: their union),

@@ -23,6 +23,10 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kFloatSlack = 0x1p-22;     // four times what a float rounds
 inline constexpr double kFunctionSlack = 0x1p-20;  // what the kernels' exp, sin, ... may be off
 
+// Of numbers that are not NaN, as every bound is: without a call.
+inline double lesser(double a, double b) { return b < a ? b : a; }
+inline double greater(double a, double b) { return b > a ? b : a; }
+
 inline Interval everything() { return {-kInfinity, kInfinity}; }
 
 inline Interval widened(double lo, double hi, double slack = kFloatSlack) {
@@ -31,16 +35,16 @@ inline Interval widened(double lo, double hi, double slack = kFloatSlack) {
           hi * (hi > 0 ? 1 + slack : 1 - slack) + 1e-37};
 }
 inline Interval hull(const Interval& a, const Interval& b) {
-  return {std::fmin(a.lo, b.lo), std::fmax(a.hi, b.hi)};
+  return {lesser(a.lo, b.lo), greater(a.hi, b.hi)};
 }
 // The values that are in both; `a` where rounding let them miss each other.
 inline Interval meet(const Interval& a, const Interval& b) {
-  const double lo = std::fmax(a.lo, b.lo);
-  const double hi = std::fmin(a.hi, b.hi);
+  const double lo = greater(a.lo, b.lo);
+  const double hi = lesser(a.hi, b.hi);
   return lo <= hi ? Interval(lo, hi) : a;
 }
 // The largest absolute value.
-inline double magnitude(const Interval& a) { return std::fmax(std::fabs(a.lo), std::fabs(a.hi)); }
+inline double magnitude(const Interval& a) { return greater(std::fabs(a.lo), std::fabs(a.hi)); }
 
 inline Interval operator-(const Interval& a) { return {-a.hi, -a.lo}; }
 inline Interval operator+(const Interval& a, const Interval& b) {
@@ -55,8 +59,13 @@ inline Interval operator*(const Interval& a, const Interval& b) {
   const double q = product(a.lo, b.hi);
   const double r = product(a.hi, b.lo);
   const double s = product(a.hi, b.hi);
-  return widened(std::fmin(std::fmin(p, q), std::fmin(r, s)),
-                 std::fmax(std::fmax(p, q), std::fmax(r, s)));
+  return widened(lesser(lesser(p, q), lesser(r, s)), greater(greater(p, q), greater(r, s)));
+}
+// With a constant of the op.
+inline Interval operator*(const Interval& a, float b) {
+  const double p = product(a.lo, b);
+  const double q = product(a.hi, b);
+  return b < 0 ? widened(q, p) : widened(p, q);
 }
 inline Interval operator/(const Interval& a, const Interval& b) {
   if (b.lo <= 0 && b.hi >= 0) {
@@ -93,10 +102,10 @@ inline Interval select(Maybe m, const Interval& yes, const Interval& no) {
 }
 
 inline Interval min(const Interval& a, const Interval& b) {
-  return {std::fmin(a.lo, b.lo), std::fmin(a.hi, b.hi)};
+  return {lesser(a.lo, b.lo), lesser(a.hi, b.hi)};
 }
 inline Interval max(const Interval& a, const Interval& b) {
-  return {std::fmax(a.lo, b.lo), std::fmax(a.hi, b.hi)};
+  return {greater(a.lo, b.lo), greater(a.hi, b.hi)};
 }
 inline Interval abs(const Interval& a) {
   if (a.lo >= 0) return a;
@@ -109,7 +118,7 @@ inline Interval square(const Interval& a) {
   return widened(m.lo * m.lo, m.hi * m.hi);
 }
 inline Interval sqrt(const Interval& a) {
-  return widened(std::sqrt(std::fmax(a.lo, 0)), std::sqrt(std::fmax(a.hi, 0)));
+  return widened(std::sqrt(greater(a.lo, 0)), std::sqrt(greater(a.hi, 0)));
 }
 inline Interval floor(const Interval& a) { return {std::floor(a.lo), std::floor(a.hi)}; }
 inline Interval exp(const Interval& a) {

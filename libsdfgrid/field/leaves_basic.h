@@ -23,6 +23,7 @@ struct Nothing {
 struct Sphere {
   static constexpr OpInfo info = {"sphere",  OpRole::leaf,          OpGuarantee::exact,
                                   "A ball.", "sphere: {radius: 1}", ""};
+  static constexpr bool kConvexSolid = true;
   static constexpr Parameter parameters[] = {size("radius", 1, "radius")};
   float radius;
 
@@ -39,6 +40,7 @@ struct Box3 {
                                   "A box with its faces across the axes.",
                                   "box: {size: [2, 1.4, 1]}",
                                   ""};
+  static constexpr bool kConvexSolid = true;
   static constexpr Parameter parameters[] = {sizes("size", 1, "edge along x, y and z")};
   float edge[3];
 
@@ -57,6 +59,7 @@ struct Plane {
       "The half-space behind a plane: all points p with normal . p <= distance.",
       "plane: {normal: [0, 0, 1], distance: 0}",
       ""};
+  static constexpr bool kConvexSolid = true;
   static constexpr Parameter parameters[] = {
       vector("normal", 0, 0, 1, -kAny, kAny, "points out of the solid; any length but 0", ""),
       length_of("distance", 0, "of the plane from the origin along the normal")};
@@ -98,6 +101,7 @@ struct Cylinder {
                                   "A cylinder along z with flat ends.",
                                   "cylinder: {radius: 0.8, height: 1.6}",
                                   ""};
+  static constexpr bool kConvexSolid = true;
   static constexpr Parameter parameters[] = {size("radius", 1, "radius"),
                                              size("height", 2, "from end to end")};
   float radius, height;
@@ -115,6 +119,7 @@ struct InfiniteCylinder {
                                   "A cylinder along z without ends.",
                                   "infinite_cylinder: {radius: 0.5}",
                                   ""};
+  static constexpr bool kConvexSolid = true;
   static constexpr Parameter parameters[] = {size("radius", 1, "radius")};
   float radius;
 
@@ -134,6 +139,7 @@ struct Cone {
       "A cone along z: base of the given radius at -height / 2, apex at +height / 2.",
       "cone: {radius: 0.9, height: 1.8}",
       "exact, where Diener (4.4) has a bound and leaves open which nappe is kept"};
+  static constexpr bool kConvexSolid = true;
   static constexpr Parameter parameters[] = {size("radius", 1, "radius of the base"),
                                              size("height", 2, "from base to apex")};
   float radius, height;
@@ -160,6 +166,7 @@ struct InfiniteCone {
       "A cone with its apex at the origin that opens downwards along z without end.",
       "infinite_cone: {angle: 30}",
       ""};
+  static constexpr bool kConvexSolid = true;
   static constexpr Parameter parameters[] = {
       number("angle", 30, 0.1, 89.9, "between the axis and the side", "degrees")};
   float angle;
@@ -184,6 +191,7 @@ struct Capsule {
                                   "All points near a segment: a cylinder with round ends.",
                                   "capsule: {from: [-0.7, 0, 0], to: [0.7, 0, 0.4], radius: 0.4}",
                                   ""};
+  static constexpr bool kConvexSolid = true;
   static constexpr Parameter parameters[] = {position("from", 0, 0, -1, "one end of the segment"),
                                              position("to", 0, 0, 1, "the other end"),
                                              size("radius", 0.5, "radius")};
@@ -215,6 +223,7 @@ struct Lozenge {
                                   "All points near a rectangle that lies across z.",
                                   "lozenge: {width: 1.6, depth: 1, radius: 0.2}",
                                   ""};
+  static constexpr bool kConvexSolid = true;
   static constexpr Parameter parameters[] = {
       size("width", 2, "of the rectangle along x"), size("depth", 1, "of the rectangle along y"),
       size("radius", 0.25, "distance of the surface from the rectangle")};

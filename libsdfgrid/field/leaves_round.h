@@ -34,6 +34,7 @@ struct Ellipsoid {
                                   "An ellipsoid with its axes along x, y and z.",
                                   "ellipsoid: {radii: [1.2, 0.8, 0.5]}",
                                   "Newton's method on the secular equation"};
+  static constexpr bool kConvexSolid = true;
   static constexpr Parameter parameters[] = {sizes("radii", 1, "along x, y and z")};
   float radii[3];
   float c[3];
@@ -173,6 +174,7 @@ struct Triangle {
                                   "triangle: {a: [-1, -0.5, 0], b: [1, -0.5, 0.2], c: [0, 0.9, 0], "
                                   "radius: 0.1}",
                                   ""};
+  static constexpr bool kConvexSolid = true;
   static constexpr Parameter parameters[] = {
       position("a", -1, 0, 0, "a corner"), position("b", 1, 0, 0, "a corner"),
       position("c", 0, 1, 0, "a corner"),
@@ -240,6 +242,7 @@ struct Polyhedron {
       "points with n . p <= d. Exact inside, a bound outside.",
       "polyhedron: {planes: [1, 1, 1, 0.6, -1, -1, 1, 0.6, -1, 1, -1, 0.6, 1, -1, -1, 0.6]}",
       ""};
+  static constexpr bool kConvexSolid = true;
   static constexpr Parameter parameters[] = {{"planes",
                                               ParameterKind::numbers,
                                               "",
@@ -275,6 +278,7 @@ struct GeneralizedDistance {
       "E. Akleman and J. Chen, Generalized distance functions, 1999; divided by the largest value "
       "on "
       "the unit sphere (Diener (6.1) takes it for 1), the largest term first"};
+  static constexpr bool kConvexSolid = true;
   static constexpr Parameter parameters[] = {
       {"solid", ParameterKind::text, "", {0, 0, 0}, 0, 0, "which; icosahedron unless said"},
       number("exponent", 9, 1, 1e6, "of the norm; from 1000 on the faces are flat"),

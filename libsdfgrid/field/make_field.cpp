@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "sdfgrid/field/build.h"
+#include "sdfgrid/field/union_tree.h"
 
 namespace sdfgrid {
 namespace {
@@ -46,12 +47,19 @@ void append_combination(Draft& draft, int number, const std::vector<Argument>& a
                         std::span<const Field> of) {
   Instruction last = add_op(draft, number, arguments);
   last.step = Step::combine;
+  if (number == op_number("union") && of.size() >= kManyNodes) {
+    return append_union_tree(draft, of, last);
+  }
   const int rest = rest_number(number);
   if (rest == number || of.size() < 3) return append_joined(draft, of, last);
   Instruction join = add_op(draft, rest, arguments);
   join.step = Step::combine;
   append(draft, of[0].program());
-  append_joined(draft, of.subspan(1), join);
+  if (rest == op_number("union") && of.size() > kManyNodes) {
+    append_union_tree(draft, of.subspan(1), join);
+  } else {
+    append_joined(draft, of.subspan(1), join);
+  }
   draft.code.push_back(last);
 }
 

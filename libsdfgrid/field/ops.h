@@ -7,6 +7,7 @@
 //   range        T value(T d, Point<T>)
 //   domain       Point<T> inside(Point<T>), and T value(T d, Point<T> outside) if the value changes
 // each a template over the number type, with one more argument (data, count) if the op has a list.
+// A leaf may say kConvexSolid: along any line its value is a convex function.
 // For ordinary code only, never for kernels: void prepare(Data), and Box bounds(children...): where
 // the value is below a level, given where the children are below child_level(level).
 #pragma once

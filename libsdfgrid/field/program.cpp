@@ -4,6 +4,7 @@
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/field/program_data.h"
+#include "sdfgrid/field/union_tree.h"
 
 namespace sdfgrid {
 
@@ -63,6 +64,9 @@ Program make_program(std::vector<Instruction> code, std::shared_ptr<const Pool> 
                 fmt::format("nodes are nested too deep: {} levels ({} of moved space), at most {} "
                             "({}) are possible; flatten lists of unions, join moves",
                             program.nesting, program.points, kMaxNesting, kMaxPoints));
+  }
+  if (std::any_of(program.code.begin(), program.code.end(), has_boxes)) {
+    program.starts = subtree_starts(program.code);
   }
   return program;
 }

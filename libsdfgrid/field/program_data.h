@@ -27,6 +27,9 @@ struct Program {
   int values = 0;   // greatest depth of the stack of values
   int points = 0;   // and of the points above the outermost
   int nesting = 0;  // of nodes
+  // Of each instruction where its subtree begins; only where a union knows its operands' boxes
+  // (union_tree.h).
+  std::vector<std::int32_t> starts;
 };
 
 // The struct of an instruction's op.

@@ -2,6 +2,7 @@
 #include "sdfgrid/field/dual.h"
 #include "sdfgrid/field/interpret.h"
 #include "sdfgrid/field/sampled.h"
+#include "sdfgrid/field/union_tree.h"
 
 namespace sdfgrid {
 namespace {
@@ -23,10 +24,12 @@ Gradient sampled_gradient(const Sampler& sampler, const Point<Gradient>& p) {
   });
 }
 
-// A value and the mark of the leaf that decides it.
+// A value and the leaf that decides it: its mark, and its place among the constants, which is in
+// the order of the scene.
 struct Marked {
   double value;
   int tag;
+  std::uint32_t place;
 };
 
 struct MarkedOps {
@@ -64,14 +67,19 @@ void marked_step(const Program& program, const Instruction& at, std::vector<Mark
   switch (at.step) {
     case Step::leaf:
     case Step::sample:
-      values.push_back({leaf_value(program, at, leaf_point(at, points.back())), at.tag});
+      values.push_back(
+          {leaf_value(program, at, leaf_point(at, points.back())), at.tag, at.constants});
       break;
     case Step::combine: {
       const Marked b = values.back();
       values.pop_back();
       Marked& a = values.back();
-      if (!marked_ops().first[at.op](c, a.value, b.value)) a.tag = b.tag;
-      a.value = f.combine(c, a.value, b.value, points.back());
+      // Of a shared surface the first node's is seen, in whatever order a large union joins them.
+      const bool tied = has_boxes(at) && a.value == b.value;
+      const bool first = tied ? a.place <= b.place : marked_ops().first[at.op](c, a.value, b.value);
+      const double value = f.combine(c, a.value, b.value, points.back());
+      if (!first) a = b;
+      a.value = value;
       break;
     }
     case Step::range:
@@ -90,22 +98,36 @@ void marked_step(const Program& program, const Instruction& at, std::vector<Mark
 
 }  // namespace
 
+namespace {
+
+// What of the field matters at one point.
+Field at_point(const Field& field, const glm::dvec3& p) {
+  return field.program().starts.empty() ? field : field.pruned({p, p});
+}
+
+}  // namespace
+
 int Field::tag_at(const glm::dvec3& p) const {
+  const Field here = at_point(*this, p);
   std::vector<Marked> values;
   std::vector<Point<double>> points = {{p.x, p.y, p.z}};
-  for (const Instruction& at : program_->code) marked_step(*program_, at, values, points);
+  for (const Instruction& at : here.program().code) {
+    marked_step(here.program(), at, values, points);
+  }
   return values.back().tag;
 }
 
 ValueGradient Field::gradient(const glm::dvec3& p) const {
+  const Field here = at_point(*this, p);
+  const Program& program = here.program();
   const Point<Gradient> at = {Gradient::variable(p.x, 0), Gradient::variable(p.y, 1),
                               Gradient::variable(p.z, 2)};
   const auto& functions = gradient_functions();
   const auto leaf = [&](const Instruction& i, const Point<Gradient>& q) {
-    if (i.step == Step::sample) return sampled_gradient(sampler_of(*program_, i), q);
-    return functions[i.op].leaf(constants_of(*program_, i), data_of(*program_, i), q);
+    if (i.step == Step::sample) return sampled_gradient(sampler_of(program, i), q);
+    return functions[i.op].leaf(constants_of(program, i), data_of(program, i), q);
   };
-  const Gradient r = interpret(*program_, functions, at, leaf);
+  const Gradient r = interpret(program, functions, at, leaf);
   return {r.v, glm::dvec3(r.d[0], r.d[1], r.d[2])};
 }
 

@@ -4,6 +4,7 @@
 #include "sdfgrid/field/interpret.h"
 #include "sdfgrid/field/registry.h"
 #include "sdfgrid/field/sampled.h"
+#include "sdfgrid/field/union_tree.h"
 
 namespace sdfgrid {
 namespace {
@@ -15,12 +16,18 @@ struct IntervalOps {
   std::vector<OpFunctions<double>> exact = make_functions<double>();
   // Which operand of a combination is the whole result.
   std::vector<Keep (*)(const float*, const Interval&, const Interval&)> keep;
+  // Whether a domain op changes nothing: of its node's values and its own outer points; or null.
+  std::vector<bool (*)(const float*, const Interval&, const Point<Interval>&)> idle;
 
-  IntervalOps() : keep(functions.size()) {
+  IntervalOps() : keep(functions.size()), idle(functions.size()) {
     each_op([&]<class Op>(int number) {
       if constexpr (Combination<Op>) {
         keep[number] = [](const float* c, const Interval& a, const Interval& b) {
           return load_op<Op>(c).keep(a, b);
+        };
+      } else if constexpr (requires(Op op, Interval d, Point<Interval> p) { op.idle(d, p); }) {
+        idle[number] = [](const float* c, const Interval& d, const Point<Interval>& p) {
+          return load_op<Op>(c).idle(d, p);
         };
       }
     });
@@ -75,19 +82,34 @@ const std::vector<OpFunctions<Interval>>& interval_functions() { return interval
 
 namespace {
 
-// Runs the program over a box and writes what is left of it.
+// Runs the program over a box and writes what is left of it. Where unions know the boxes of their
+// operands, nearer ones go first, and what is beyond the largest value that they can have is never
+// looked at.
 class Pruning {
  public:
-  explicit Pruning(const Program& program) : program_(program) {}
+  // Gives up when more than `most` instructions were looked at.
+  Pruning(const Program& program, std::size_t most, bool writes)
+      : program_(program), most_(most), writes_(writes) {}
 
-  std::vector<Instruction> over(const Box& box) {
-    code_.reserve(program_.code.size());
+  // False if it gave up. Values of `upper` and more need not be kept.
+  bool over(const Box& box, double upper) {
     values_.reserve(program_.values);
     points_.reserve(program_.points + 1);
     points_.push_back(intervals(box));
-    for (const Instruction& at : program_.code) step(at);
-    return std::move(code_);
+    if (program_.starts.empty()) {
+      if (program_.code.size() > most_) return false;
+      if (writes_) code_.reserve(program_.code.size());
+      for (const Instruction& at : program_.code) step(at);
+    } else {
+      tree(static_cast<std::int32_t>(program_.code.size()) - 1, upper);
+    }
+    return looked_at_ <= most_;
   }
+
+  // Of nothing: nothing was below `upper`.
+  [[nodiscard]] bool empty() const { return values_.empty(); }
+  [[nodiscard]] Interval range() const { return values_.back().range; }
+  [[nodiscard]] std::vector<Instruction>& code() { return code_; }
 
  private:
   struct Value {
@@ -95,11 +117,60 @@ class Pruning {
     std::size_t begin;  // where its code begins
   };
 
+  // The subtree that ends at instruction `last`. False, and no value, if that cannot be below
+  // `upper` or there is no time left.
+  bool tree(std::int32_t last, double upper) {
+    const Instruction& at = program_.code[last];
+    if (++looked_at_ > most_) return false;
+    if (has_boxes(at)) return nearer_first(last, upper);
+    if (at.step == Step::combine) {
+      if (!tree(program_.starts[last - 1] - 1, kInfinity)) return false;
+      if (!tree(last - 1, kInfinity)) return drop();
+    } else if (at.step == Step::leave) {
+      step(program_.code[program_.starts[last]]);
+      if (!tree(last - 1, kInfinity)) return false;
+    } else if (at.step == Step::range) {
+      if (!tree(last - 1, kInfinity)) return false;
+    }
+    step(at);
+    return true;
+  }
+
+  bool nearer_first(std::int32_t last, double upper) {
+    const Instruction& at = program_.code[last];
+    const std::int32_t ends[2] = {program_.starts[last - 1] - 1, last - 1};
+    double least[2];
+    least_of_operands(program_, at, points_.back(), size_of(points_.back()), least);
+    const int near = least[1] < least[0] ? 1 : 0;
+    int found = 0;
+    for (const int i : {near, 1 - near}) {
+      if (least[i] > upper || !tree(ends[i], upper)) continue;
+      if (values_.back().range.lo > upper) {
+        drop();
+        continue;
+      }
+      ++found;
+      upper = std::fmin(upper, values_.back().range.hi);
+    }
+    if (found == 2) {
+      Instruction join = at;
+      if (near == 1) join.count = kUnionFloats + kUnionSwapped - at.count;
+      step(join);
+    }
+    return found > 0;
+  }
+
+  bool drop() {
+    if (writes_) code_.resize(values_.back().begin);
+    values_.pop_back();
+    return false;
+  }
+
   void step(const Instruction& at) {
     const OpFunctions<Interval>& f = interval_ops().functions[at.op];
     const float* c = constants_of(program_, at);
     const std::size_t begin = code_.size();
-    code_.push_back(at);
+    if (writes_) code_.push_back(at);
     switch (at.step) {
       case Step::leaf:
       case Step::sample:
@@ -117,13 +188,23 @@ class Pruning {
         entered_.push_back(begin);
         break;
       case Step::leave:
-        points_.pop_back();
-        values_.back().begin = entered_.back();
-        entered_.pop_back();
-        if (f.value)
-          values_.back().range =
-              f.value(c, data_of(program_, at), values_.back().range, points_.back());
+        leave(at, f, c);
         break;
+    }
+  }
+
+  void leave(const Instruction& at, const OpFunctions<Interval>& f, const float* c) {
+    points_.pop_back();
+    Value& value = values_.back();
+    value.begin = entered_.back();
+    entered_.pop_back();
+    const auto idle = interval_ops().idle[at.op];
+    if (idle != nullptr && idle(c, value.range, points_.back())) {
+      if (!writes_) return;
+      code_.pop_back();
+      code_.erase(code_.begin() + static_cast<std::ptrdiff_t>(value.begin));
+    } else if (f.value != nullptr) {
+      value.range = f.value(c, data_of(program_, at), value.range, points_.back());
     }
   }
 
@@ -134,17 +215,23 @@ class Pruning {
     const Keep keep = interval_ops().keep[at.op](c, a.range, b.range);
     if (keep == Keep::both) {
       a.range = f.combine(c, a.range, b.range, points_.back());
-    } else if (keep == Keep::first) {
+      return;
+    }
+    if (keep == Keep::second) a.range = b.range;
+    if (!writes_) return;
+    if (keep == Keep::first) {
       code_.resize(b.begin);
     } else {
       code_.pop_back();
       code_.erase(code_.begin() + static_cast<std::ptrdiff_t>(a.begin),
                   code_.begin() + static_cast<std::ptrdiff_t>(b.begin));
-      a.range = b.range;
     }
   }
 
   const Program& program_;
+  std::size_t most_;
+  bool writes_;
+  std::size_t looked_at_ = 0;
   std::vector<Instruction> code_;
   std::vector<Value> values_;
   std::vector<std::size_t> entered_;
@@ -154,6 +241,11 @@ class Pruning {
 }  // namespace
 
 ValueRange Field::range(const Box& box) const {
+  if (!program_->starts.empty()) {
+    Pruning reading(*program_, kAnyLength, false);
+    reading.over(box, kInfinity);
+    return {reading.range().lo, reading.range().hi};
+  }
   const auto leaf = [&](const Instruction& at, const Point<Interval>& p) {
     return leaf_interval(*program_, at, p);
   };
@@ -161,10 +253,17 @@ ValueRange Field::range(const Box& box) const {
   return {r.lo, r.hi};
 }
 
-Field Field::pruned(const Box& box) const {
-  return Field(
-      std::make_shared<const Program>(make_program(Pruning(*program_).over(box), program_->pool)));
+std::optional<Restricted> Field::restricted(const Box& box, std::size_t most, double upper) const {
+  Pruning pruning(*program_, most, true);
+  if (!pruning.over(box, upper)) return {};
+  if (pruning.empty()) return Restricted{Field(), {upper, kInfinity}};
+  const Interval range = pruning.range();
+  return Restricted{Field(std::make_shared<const Program>(
+                        make_program(std::move(pruning.code()), program_->pool))),
+                    {range.lo, range.hi}};
 }
+
+Field Field::pruned(const Box& box) const { return restricted(box)->field; }
 
 namespace {
 
@@ -180,6 +279,11 @@ Box bounds_below(const Program& program, const std::vector<std::int32_t>& starts
   const RegisteredOp& op = registry()[at.op];
   const float* c = constants_of(program, at);
   const Data data = data_of(program, at);
+  if (has_boxes(at)) {
+    const double grow = std::fmax(level, 0);
+    const Box box = both_boxes(operand_box(program, at, 0), operand_box(program, at, 1));
+    return {box.lo - grow, box.hi + grow};
+  }
   if (at.step == Step::leaf) {
     const Box box = op.bounds(c, data, all, all, level);
     const glm::dvec3 offset(at.offset[0], at.offset[1], at.offset[2]);
@@ -195,7 +299,8 @@ Box bounds_below(const Program& program, const std::vector<std::int32_t>& starts
 }  // namespace
 
 Box Field::bounds(double level) const {
-  return bounds_below(*program_, subtree_starts(program_->code),
+  const auto& known = program_->starts;
+  return bounds_below(*program_, known.empty() ? subtree_starts(program_->code) : known,
                       static_cast<int>(program_->code.size()) - 1, level);
 }
 

@@ -39,15 +39,23 @@ struct Region {
                   length(length(positive(x), positive(y), positive(z)), positive(g)),
                   max(g, depth));
   }
+  // Deep inside, where the node's own values are larger than the depth: then pruning drops it.
+  bool idle(const Interval& d, const Point<Interval>& p) const {
+    return scale == 1 && depth_in(p).hi < std::fmin(d.lo, 0.0);
+  }
   double stretch(const Point<Interval>&) const { return 1; }
   // The slope of value() over the box p, where that of d is `slope`.
   double slope(const Interval& d, double slope, const Point<Interval>& p) const {
-    const Interval depth = max(
-        abs(p.x - center[0]) - Interval(half[0]),
-        max(abs(p.y - center[1]) - Interval(half[1]), abs(p.z - center[2]) - Interval(half[2])));
+    const Interval depth = depth_in(p);
     const double scaled = slope * scale;
     const bool deep = depth.hi < 0 && (d * Interval(scale)).lo > depth.hi;
     return deep ? scaled : std::fmax(1.0, scaled);
+  }
+  // What value() calls depth, over a box.
+  Interval depth_in(const Point<Interval>& p) const {
+    return max(
+        abs(p.x - center[0]) - Interval(half[0]),
+        max(abs(p.y - center[1]) - Interval(half[1]), abs(p.z - center[2]) - Interval(half[2])));
   }
   double child_level(double level) const { return level / scale; }
   Box bounds(const Box& a, double level) const {

@@ -13,6 +13,7 @@ struct RegisteredOp {
   bool list = false;         // has a list of numbers beside it
   bool two = false;          // a combination of two nodes, no more
   bool convex = false;       // combination and range: no steeper than the steepest operand
+  bool convex_solid = false;  // leaf: kConvexSolid
   // Makes the field where that takes more than numbers; null where it does not.
   Field (*make)(const std::vector<Argument>& arguments) = nullptr;
   // The same of an op of one node.

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <glm/common.hpp>
+#include <optional>
 #include <vector>
 
 #include "sdfgrid/core/error.h"
@@ -77,17 +78,18 @@ class Subdivision {
 
   void run(const Field& field, const Cube& cube) {
     ++made.regions;
-    if (!within_band(field, cube)) return;
+    const std::optional<Field> here = within_band(field, cube);
+    if (!here) return;
     if (cube.edge == 4 * kEdge) job_.checkpoint();
-    const Field here = field.pruned(box_of(cube));
-    if (cube.edge == kEdge) return run_brick(here, cube);
-    for (int i = 0; i < 8; ++i) run(here, octant(cube, i));
+    if (cube.edge == kEdge) return run_brick(*here, cube);
+    for (int i = 0; i < 8; ++i) run(*here, octant(cube, i));
   }
 
-  // Whether values in the cube may be.
-  [[nodiscard]] bool within_band(const Field& field, const Cube& cube) const {
-    const ValueRange range = field.range(box_of(cube));
-    return range.lo < out_ && range.hi > in_;
+  // What is left of the field in the cube, if its values there may be in the band.
+  [[nodiscard]] std::optional<Field> within_band(const Field& field, const Cube& cube) const {
+    const Restricted here = *field.restricted(box_of(cube), kAnyLength, out_);
+    if (here.range.lo < out_ && here.range.hi > in_) return here.field;
+    return {};
   }
 
   // The cube's points, as they are rounded to float.
@@ -228,9 +230,7 @@ class FieldConverter {
     for (int i = 0; i < 8; ++i) {
       const Cube part = octant(task.cube, i);
       ++result_.regions;
-      if (probe.within_band(task.field, part)) {
-        collect({task.field.pruned(probe.box_of(part)), part});
-      }
+      if (auto here = probe.within_band(task.field, part)) collect({std::move(*here), part});
     }
   }
 

@@ -1,0 +1,45 @@
+// field/union_tree.h: unions of many nodes as a tree of boxes, so that what is far away is never
+// looked at (internal to field/).
+//
+// A union of kManyNodes or more is joined by place, halves of the nodes along the longest axis, as
+// in a bounding volume hierarchy. Each of its instructions has a list of twelve floats, the boxes
+// of its two operands, lo and hi. Outside of a box its operand's value is not less than the
+// distance to the box. Nodes for which that is not known anyway (those that are only bounds on the
+// distance) are wrapped into the op `region`, which makes it so; what has no end has an infinite
+// box.
+#pragma once
+
+#include "sdfgrid/field/interval.h"
+#include "sdfgrid/field/program_data.h"
+
+namespace sdfgrid {
+
+inline constexpr std::size_t kManyNodes = 16;
+inline constexpr std::uint32_t kUnionFloats = 12;   // Instruction::count of such a union, and
+inline constexpr std::uint32_t kUnionSwapped = 13;  // of one whose operands changed places since
+
+inline constexpr std::uint16_t kUnionOp = 0;  // the first op of the first family
+
+// Whether the instruction is a union that knows the boxes of its operands.
+inline bool has_boxes(const Instruction& at) {
+  return at.step == Step::combine && at.op == kUnionOp && at.count >= kUnionFloats &&
+         at.count <= kUnionSwapped;
+}
+
+// The box of the first or the second operand of such a union.
+[[nodiscard]] Box operand_box(const Program& program, const Instruction& at, int operand);
+
+// Appends the union of many fields, joined by copies of `join`. Empty ones are left out.
+void append_union_tree(Draft& draft, std::span<const Field> of, const Instruction& join);
+
+// Lower bounds on the values of both operands over p, -inf where their boxes touch it, by the
+// distance between boxes. `far` is size_of(p).
+void least_of_operands(const Program& program, const Instruction& at,
+                       const ops::Point<ops::Interval>& p, double far, double least[2]);
+
+// The sum of the largest coordinates: what floats round is in proportion to it.
+[[nodiscard]] inline double size_of(const ops::Point<ops::Interval>& p) {
+  return ops::magnitude(p.x) + ops::magnitude(p.y) + ops::magnitude(p.z);
+}
+
+}  // namespace sdfgrid
