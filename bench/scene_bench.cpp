@@ -82,10 +82,14 @@ double evaluate_all(const Field& field, const Lattice& lattice, std::size_t& vox
 // Primary rays with the parts of tracing switched on one after the other.
 void trace(const Field& field, int repetitions) {
   const Camera camera = frame(field.bounds(), 512, 512);
-  const char* const names[] = {"plain sphere tracing", "relaxed", "pruned", "relaxed and pruned"};
-  const FieldTraceOptions options[] = {
-      {false, false, false}, {true, false, false}, {false, false, true}, {true, false, true}};
-  for (int k = 0; k < 4; ++k) {
+  const char* const names[] = {"plain sphere tracing", "relaxed", "pruned", "relaxed and pruned",
+                               "objects apart"};
+  const FieldTraceOptions options[] = {{false, false, false, false, false},
+                                       {true, false, false, false, false},
+                                       {false, false, true, false, false},
+                                       {true, false, true, false, false},
+                                       {}};
+  for (int k = 0; k < 5; ++k) {
     const FieldTracer tracer(field, field.bounds(), options[k]);
     std::vector<double> seconds;
     double steps = 0;

@@ -156,6 +156,11 @@ struct Cone {
     const T d = min(side, base);
     return select(out > T(0.0F), d, -d);
   }
+  // Over half of space the sign of `out` is not known to intervals.
+  Box bounds(Data, double level) const {
+    const glm::dvec3 reach = glm::dvec3(radius, radius, 0.5 * height) + (level + 1e-6 * radius);
+    return {-reach, reach};
+  }
 };
 
 struct InfiniteCone {

@@ -18,13 +18,11 @@ bool is_linear(const Instruction& at) {
   return std::find(std::begin(known), std::end(known), at.op) != std::end(known);
 }
 
-// Convex functions stay so under linear maps, offsets and maxima, and among convex parts of a
-// region, which is as far as rays follow a part.
-bool is_convex(const Program& program) {
+// Convex functions stay so under linear maps, offsets and maxima.
+bool is_convex(const std::vector<Instruction>& code) {
   static const int offset = op_number("offset");
-  static const int region = op_number("region");
   static const int intersection = op_number("intersection");
-  return std::all_of(program.code.begin(), program.code.end(), [&](const Instruction& at) {
+  return std::all_of(code.begin(), code.end(), [&](const Instruction& at) {
     switch (at.step) {
       case Step::leaf:
         return registry()[at.op].convex_solid;
@@ -36,10 +34,17 @@ bool is_convex(const Program& program) {
         return at.op == offset;
       case Step::enter:
       case Step::leave:
-        return is_linear(at) || at.op == region;
+        return is_linear(at);
     }
     return false;
   });
+}
+
+// Whether it is one of the regions that a large union put around a node.
+bool is_enclosure(const Program& program, const Instruction& at) {
+  static const int region = op_number("region");
+  return (at.step == Step::enter || at.step == Step::leave) && at.op == region &&
+         ops::load_op<ops::Region>(constants_of(program, at)).scale == 1;
 }
 
 // Whether a slope had to be divided away somewhere.
@@ -100,11 +105,16 @@ class Splitter {
       code.push_back(program_.code[around_[i].leave]);
     }
     FieldPart part;
+    // Around a convex function such a region is none, and by itself a node needs none.
+    std::vector<Instruction> bare;
+    std::copy_if(code.begin(), code.end(), std::back_inserter(bare),
+                 [&](const Instruction& at) { return !is_enclosure(program_, at); });
+    part.convex = is_convex(bare);
+    if (part.convex) code = std::move(bare);
     part.field =
         Field(std::make_shared<const Program>(make_program(std::move(code), program_.pool)));
     part.box = known != nullptr ? moved(*known) : part.field.bounds();
     part.scaled = is_scaled(part.field.program());
-    part.convex = is_convex(part.field.program());
     if (!part.box.empty()) parts_.push_back(std::move(part));
   }
 

@@ -14,8 +14,9 @@ struct FieldPart {
   bool convex = false;  // outside of the solid the value along any line is a convex function
 };
 
-// The least value of all parts is that of the field, wherever it is not negative; inside, where one
-// of them is. What is moved, turned or scaled as one is taken apart too. Parts that are nowhere are
+// Together the parts are the solid; each is a field by itself, whose values beyond its solid may
+// differ from those that it had in the union. What is moved, turned or scaled as one is taken apart
+// too. Parts that are nowhere are
 // left out; a field that is no union is its only part.
 [[nodiscard]] std::vector<FieldPart> parts_of(const Field& field);
 

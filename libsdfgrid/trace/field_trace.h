@@ -1,6 +1,10 @@
 // trace/field_trace.h: where rays meet the surface of an analytic field, by sphere tracing that
 // needs no tuning. Lengths are in world units.
 //
+// The parts of a union are objects of their own, met through a hierarchy of boxes (object_tree.h);
+// along a ray past a convex one its distance is a convex function, so that the next step goes to
+// where the line through the last two values ends, or nowhere. Of one object:
+//
 // Rays go in bundles that run close to each other. The stretch of space that a bundle runs through
 // is divided along the rays: where the field's interval shows nothing, all of them jump; elsewhere
 // they are traced with what pruning leaves of the program, a batch of them at a time. Steps are as
@@ -27,7 +31,12 @@ struct FieldTraceOptions {
   bool relax = true;
   bool local_bounds = true;
   bool prune = true;
+  bool objects = true;  // the parts of a union each by itself, found through a tree of boxes
+  bool convex = true;   // steps of objects that are convex follow the secant
 };
+
+class ObjectTree;
+struct Bundle;
 
 // Pixels that lie in the picture.
 struct PixelSquare {
@@ -38,13 +47,13 @@ class FieldTracer {
  public:
   // `region` must be finite: what lies beyond is not seen.
   FieldTracer(const Field& field, const Box& region, FieldTraceOptions options = {});
+  ~FieldTracer();
 
-  // Of each ray the distance to its first hit, +inf if there is none, and how often the field was
-  // evaluated for it. A hit is where less than `tolerance` times the distance (and what single
-  // precision can tell) is known to be free; rays that start inside hit where they leave.
-  // Directions have unit length; all rays begin on the same side of the surface, and those beside
-  // each other in the list should run beside each other.
-  // Safe to call from many threads.
+  // Of each ray the distance to its first hit, +inf if there is none, and how often the field, or
+  // an object of it, was evaluated for it. A hit is where less than `tolerance` times the distance
+  // (and what single precision can tell) is known to be free; rays that start inside hit where they
+  // leave. Directions have unit length; all rays begin on the same side of the surface, and those
+  // beside each other in the list should run beside each other. Safe to call from many threads.
   void trace(std::span<const Ray> rays, double tolerance, std::span<float> depth,
              std::span<std::uint16_t> steps) const;
 
@@ -55,15 +64,15 @@ class FieldTracer {
   [[nodiscard]] const Box& region() const { return region_; }
 
  private:
-  class Bundle;
-
+  void trace(Bundle& bundle, const Field& field, double tolerance) const;
   [[nodiscard]] Box seen_through(const RayGenerator& generator, const glm::dvec3& eye,
                                  const PixelSquare& square) const;
 
   Field field_;
   Box region_;
   FieldTraceOptions options_;
-  std::unique_ptr<const LocalBounds> bounds_;  // none where they would not help
+  std::unique_ptr<const LocalBounds> bounds_;  // of the whole; none where they would not help
+  std::unique_ptr<const ObjectTree> objects_;  // none if the field is a single one
 };
 
 }  // namespace sdfgrid

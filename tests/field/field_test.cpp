@@ -47,6 +47,8 @@ TEST(Field, BoundsAreTight) {
   EXPECT_NEAR(f.bounds().lo.x, -1, 1e-4);
   EXPECT_NEAR(f.bounds().hi.x, 4.25, 1e-4);
   EXPECT_NEAR(f.bounds(0.5).hi.x, 4.75, 1e-4);
+  EXPECT_NEAR(make_field("cone").bounds().hi.x, 1, 1e-4);
+  EXPECT_NEAR(make_field("cone").bounds().lo.z, -1, 1e-4);
   EXPECT_NEAR(make_field("plane").bounds().hi.z, 0, 1e-6);
   EXPECT_EQ(make_field("plane").bounds().lo.z, -INFINITY);
 }

@@ -87,6 +87,7 @@ const char* const kHostile =
 
 // What tracing must keep, against the dense search.
 void expect_no_miss(const Field& field, const FieldTraceOptions& options, int count) {
+  SCOPED_TRACE(count);
   constexpr double kTolerance = 1e-4;
   const Box region = region_of(field);
   const FieldTracer tracer(field, region, options);
@@ -107,9 +108,10 @@ void expect_no_miss(const Field& field, const FieldTraceOptions& options, int co
       ASSERT_LE(depth[i], truth * (1 + kTolerance) + 1e-4) << "ray " << i << " missed its hit";
     }
     if (depth[i] < kNothing) {
-      // Within the tolerance of the surface, the field's slope included.
+      // Where less than the tolerance was free the hit is taken to be as far ahead again.
       const glm::dvec3 p = rays[i].origin + double(depth[i]) * rays[i].direction;
-      ASSERT_LT(std::fabs(field.gradient(p).value), kTolerance * depth[i] + 1e-5) << "ray " << i;
+      ASSERT_LT(std::fabs(field.gradient(p).value), 2 * kTolerance * depth[i] + 1e-5)
+          << "ray " << i;
     }
   }
   EXPECT_GT(hits, static_cast<int>(rays.size()) / 10);
@@ -118,9 +120,70 @@ void expect_no_miss(const Field& field, const FieldTraceOptions& options, int co
 TEST(FieldTrace, MissesNoFirstHitOfAHostileScene) {
   const Field field = field_of(kHostile);
   expect_no_miss(field, {}, 30);
-  expect_no_miss(field, {false, false, false}, 8);
-  expect_no_miss(field, {true, false, false}, 8);
-  expect_no_miss(field, {false, true, true}, 8);
+  expect_no_miss(field, {false, false, false, false, false}, 8);
+  expect_no_miss(field, {true, false, false, false, false}, 8);
+  expect_no_miss(field, {false, true, true, false, false}, 8);
+  expect_no_miss(field, {true, true, true, false, false}, 8);
+  expect_no_miss(field, {true, true, true, true, false}, 8);
+}
+
+// Objects that overlap, touch each other's boxes, and lie in rows.
+Field many_objects() {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<Field> nodes;
+  const char* const shapes[] = {"sphere", "box", "torus", "capsule", "cylinder", "cone", "gdf"};
+  for (int i = 0; i < 150; ++i) {
+    Field node = make_field(shapes[i % std::size(shapes)]);
+    if (i % 5 == 0) node = make_field("twist", {{"turns", 0.2}}, {make_field("box")});
+    const double s = 0.1 + 0.2 * unit(random);
+    node = make_field("scale", {{"by", {s, s, i % 3 == 0 ? 0.4 * s : s}}}, {node});
+    if (i % 2 == 0) node = make_field("rotate", {{"by", {360 * unit(random), 50, 0}}}, {node});
+    const double z = i % 4 == 0 ? 0 : 2 * unit(random);
+    nodes.push_back(
+        make_field("translate", {{"by", {2 * unit(random), 2 * unit(random), z}}}, {node}));
+  }
+  return make_field("union", {}, nodes);
+}
+
+TEST(FieldTrace, MissesNoFirstHitAmongManyObjects) {
+  const Field field = many_objects();
+  expect_no_miss(field, {}, 5);
+  expect_no_miss(field, {true, true, true, true, false}, 4);
+  expect_no_miss(field, {true, true, true, false, false}, 1);
+  const Field turned = make_field("rotate", {{"by", {10, 20, 30}}}, {field});
+  expect_no_miss(make_field("union", {}, {turned, make_field("box")}), {}, 3);
+}
+
+// With each switch off the same picture, up to rays that graze.
+TEST(FieldTrace, SwitchesChangeTheWorkNotThePicture) {
+  const Field field = many_objects();
+  const Camera camera = frame(field.bounds(), 128, 128);
+  const auto picture = [&](const FieldTraceOptions& options) {
+    return FieldTracer(field, region_of(field), options).trace_primary(camera, Job());
+  };
+  const HitBuffer all = picture({});
+  const double pixel = glm::length(RayGenerator(camera).right());
+  for (int off = 0; off < 5; ++off) {
+    FieldTraceOptions options;
+    bool* const switches[] = {&options.relax, &options.local_bounds, &options.prune,
+                              &options.objects, &options.convex};
+    *switches[off] = false;
+    const HitBuffer other = picture(options);
+    const RayGenerator rays(camera);
+    for (int i = 0; i < 128 * 128; ++i) {
+      const float near = std::min(all.depth[i], other.depth[i]);
+      if (near == kNothing || std::fabs(all.depth[i] - other.depth[i]) < 0.2 * pixel * near) {
+        continue;
+      }
+      // The nearer one is within the tolerance of a surface that the other passed.
+      const Ray ray = rays.ray(i % 128 + 0.5, i / 128 + 0.5);
+      const glm::dvec3 p = ray.origin + double(near) * ray.direction;
+      ASSERT_LT(std::fabs(field.gradient(p).value), 0.042 * pixel * near) << off << ", pixel " << i;
+      const double truth = dense_search(field, ray, 2.0 * double(near), 20000);
+      ASSERT_GE(truth, std::max(all.depth[i], other.depth[i]) - 0.2 * pixel * near);
+    }
+  }
 }
 
 TEST(FieldTrace, DepthOfABallIsExact) {
@@ -162,7 +225,8 @@ TEST(FieldTrace, RelaxedStepsAreFewer) {
     for (const std::uint16_t n : hits.steps) sum += n;
     return sum;
   };
-  EXPECT_GT(mean({false, false, false}), 1.1 * mean({true, false, false}));
+  EXPECT_GT(mean({false, false, false, false, false}),
+            1.1 * mean({true, false, false, false, false}));
 }
 
 TEST(FieldTrace, TheSurfaceThatIsHitBringsItsMaterialAndNormal) {
