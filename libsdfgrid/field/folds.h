@@ -126,8 +126,8 @@ struct Repeat {
     return min(d, positive(wall) + gap);
   }
   double stretch(const Point<Interval>&) const { return 1; }
-  double slope(const Interval& d, double slope, const Point<Interval>&) const {
-    return d.hi < gap ? slope : std::fmax(1.0, slope);
+  double slope(const Interval& d, double slope, const Point<Interval>&, double stretch) const {
+    return d.hi < gap ? slope : std::fmax(stretch, slope);
   }
   Box bounds(const Box& a, double level) const {
     if (a.empty() && level <= 0) return a;

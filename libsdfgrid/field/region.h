@@ -44,12 +44,13 @@ struct Region {
     return scale == 1 && depth_in(p).hi < std::fmin(d.lo, 0.0);
   }
   double stretch(const Point<Interval>&) const { return 1; }
-  // The slope of value() over the box p, where that of d is `slope`.
-  double slope(const Interval& d, double slope, const Point<Interval>& p) const {
+  // The slope of value() over the box p, where that of d is `slope`. The distance to the region is
+  // as steep as the space around it is stretched.
+  double slope(const Interval& d, double slope, const Point<Interval>& p, double stretch) const {
     const Interval depth = depth_in(p);
     const double scaled = slope * scale;
     const bool deep = depth.hi < 0 && (d * Interval(scale)).lo > depth.hi;
-    return deep ? scaled : std::fmax(1.0, scaled);
+    return deep ? scaled : std::fmax(stretch, scaled);
   }
   // What value() calls depth, over a box.
   Interval depth_in(const Point<Interval>& p) const {

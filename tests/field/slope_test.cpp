@@ -44,6 +44,53 @@ TEST(SlopeOfEveryOps, HoldsTheGradientsOfABox) {
   }
 }
 
+Field warped(int how, const Field& node) {
+  const Field turned = make_field("rotate", {{"by", {40, 10, 0}}}, {node});
+  switch (how) {
+    case 0:
+      return make_field("twist", {{"turns", 0.4}}, {turned});
+    case 1:
+      return make_field("bend", {{"angle", 50}}, {turned});
+    case 2:
+      return make_field("taper", {{"from", 1}, {"to", 0.3}}, {turned});
+    case 3:
+      return make_field("scale", {{"by", {1, 0.4, 0.7}}}, {turned});
+    case 4:
+      return make_field("intersection", {},
+                        {make_field("repeat", {{"cell", {8, 8, 0}}}, {node}),
+                         make_field("box", {{"size", {17, 17, 4}}})});
+    default:
+      return make_field("noise_displace", {{"amplitude", 0.1}, {"frequency", 3}}, {node});
+  }
+}
+
+// A warp of a warp: the region around the inner one lies in space that the outer one stretches.
+TEST(Slope, OfNestedWarps) {
+  constexpr int kWarps = 6;
+  for (int i = 0; i < kWarps * kWarps; ++i) {
+    SCOPED_TRACE(i);
+    if (i / kWarps == 4) continue;  // a warp's value is not known to be above 0 on a cell's walls
+    const Field inner = warped(i % kWarps, make_field("box", {{"size", {1, 0.6, 1.4}}}));
+    const Field f = warped(i / kWarps, inner);
+    const Box content = f.bounds();
+    const Box whole{content.lo - 0.3 * content.size(), content.hi + 0.3 * content.size()};
+    std::mt19937 random(16);
+    std::uniform_real_distribution<double> exponent(-3, 0);
+    for (int k = 0; k < 1500; ++k) {
+      Box box;
+      const glm::dvec3 corner = random_point(whole, random);
+      box.add(corner);
+      box.add(corner + std::pow(10.0, exponent(random)) * (random_point(whole, random) - corner));
+      const double slope = f.slope(box);
+      const glm::dvec3 p = random_point(box, random);
+      const glm::dvec3 q = random_point(box, random);
+      const double rise = std::fabs(f.gradient(p).value - f.gradient(q).value);
+      ASSERT_LE(rise, slope * norm(p - q) * (1 + 1e-6) + 1e-9);
+      ASSERT_LE(norm(f.gradient(p).gradient), slope * (1 + 1e-6) + 1e-9);
+    }
+  }
+}
+
 Field twisted() {
   return make_field("twist", {{"turns", 0.6}}, {make_field("box", {{"size", {2, 0.6, 2}}})});
 }

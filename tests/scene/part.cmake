@@ -6,6 +6,9 @@ sdfgrid_test(scene_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/scene_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/../app/process.cpp)
 target_compile_definitions(scene_test PRIVATE SDFGRID_BINARY="")
 
+# A million rays: SDFGRID_HOSTILE_RAYS=1000000 build/release/tests/hostile_test
+sdfgrid_test(hostile_test LABEL heavy SOURCES ${CMAKE_CURRENT_LIST_DIR}/hostile_test.cpp PACKAGES fmt::fmt)
+
 find_package(nlohmann_json REQUIRED)
 sdfgrid_test(scene_app_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/scene_app_test.cpp
                                    ${CMAKE_CURRENT_LIST_DIR}/../app/process.cpp
