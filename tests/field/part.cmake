@@ -11,3 +11,15 @@ foreach(isa baseline avx2)
   add_test(NAME FieldOps.${isa} COMMAND field_test --gtest_filter=*Ops.*)
   set_tests_properties(FieldOps.${isa} PROPERTIES ENVIRONMENT SDFGRID_ISA=${isa} LABELS fast)
 endforeach()
+
+# Where EGL's headers are (libegl-dev); the test itself is skipped where there is no renderer.
+find_path(SDFGRID_EGL_INCLUDE EGL/egl.h)
+find_library(SDFGRID_EGL_LIBRARY EGL)
+if(SDFGRID_EGL_INCLUDE AND SDFGRID_EGL_LIBRARY)
+  sdfgrid_test(glsl_run_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/glsl_run_test.cpp
+                                     ${CMAKE_CURRENT_LIST_DIR}/examples.cpp
+                                     ${CMAKE_CURRENT_LIST_DIR}/software_gl.cpp
+               PACKAGES ${SDFGRID_EGL_LIBRARY})
+else()
+  message(STATUS "no EGL (package libegl-dev): GLSL is compiled in tests, not evaluated")
+endif()
