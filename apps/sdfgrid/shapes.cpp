@@ -117,8 +117,8 @@ void print(const OpEntry& op, Context& context) {
 }
 
 void print_markdown(const OpEntry& op, Context& context) {
-  context.print("### {}\n\n{} Distance: {}.\n", op.info->name, op.info->text,
-                name_of(op.info->guarantee));
+  context.print("### {0}\n\n![{0}](images/shapes/{0}.png)\n\n{1} Distance: {2}.\n", op.info->name,
+                op.info->text, name_of(op.info->guarantee));
   if (*op.info->source != 0) context.print("Source: {}.\n", op.info->source);
   for (const Parameter& p : op.parameters) {
     context.print("- `{}`: {} ({})", p.name, p.text, traits(p));

@@ -151,7 +151,7 @@ struct SmoothDifference {
       OpRole::combination,
       OpGuarantee::bound,
       "The first node without the others, the new edges rounded.",
-      "smooth_difference: {k: 0.3, of: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: 1}}]}",
+      "smooth_difference: {k: 0.3, of: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: 0.9}}]}",
       "quadratic polynomial smooth maximum"};
   static constexpr Parameter parameters[] = {size("k", 0.1, "width of the rounding")};
   static constexpr bool kConvex = true;

@@ -342,6 +342,34 @@ TEST(Fractals, MandelbrotIsNoLargerThanTheDistance) {
   EXPECT_GT(outside, 3000);
 }
 
+// Beyond the box of a level the estimates of sets of orbits are above it, near and far: grids of
+// them end somewhere.
+TEST(Fractals, EstimatesGrowWithTheDistance) {
+  std::mt19937 random(32);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (const char* name : {"julia", "mandelbrot", "mandelbulb"}) {
+    for (int set = 0; set < 12; ++set) {
+      std::vector<sdfgrid::Argument> arguments = {{"iterations", static_cast<double>(1 + 2 * set)}};
+      if (name == std::string("julia")) {
+        arguments.emplace_back("c", std::vector<double>{unit(random), unit(random), unit(random)});
+        arguments.emplace_back("w", unit(random));
+      }
+      if (name == std::string("mandelbulb")) arguments.emplace_back("power", 2.0 + set);
+      const Field f = sdfgrid::make_field(name, arguments);
+      for (const double level : {0.003, 0.05, 0.4, 3.0}) {
+        const Box box = f.bounds(level);
+        for (int i = 0; i < 1000; ++i) {
+          const double far = std::pow(10.0, 1 + unit(random)) * box.hi.x;
+          const Vec p = random_direction(random) * far;
+          const double most = std::fmax(std::fabs(p.x), std::fmax(std::fabs(p.y), std::fabs(p.z)));
+          if (most <= box.hi.x) continue;
+          ASSERT_GE(f(glm::vec3(p)), level) << name << " " << norm(p);
+        }
+      }
+    }
+  }
+}
+
 // A Menger sponge of one generation is a cube less three square bars.
 TEST(Fractals, MengerHoldsWhatItShould) {
   const Field f = sdfgrid::make_field("menger", {{"iterations", 2}, {"size", 2}});
