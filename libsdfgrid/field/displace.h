@@ -59,7 +59,7 @@ struct FormulaDisplacement {
   static constexpr Parameter parameters[] = {
       {"f", ParameterKind::text, "length", {kRequired, 0, 0}, 0, 0, "how far, of x, y, z and t"},
       size("largest", 0.5, "the solid may grow by this much; the formula is cut there"),
-      number("t", 0, -kAny, kAny, "time")};
+      number("t", 0, -kAny, kAny, "time; in scenes that of the frame unless said")};
   static constexpr bool kList = true;
   static std::vector<float> list_of(const std::vector<Argument>& arguments);
   float largest, time;

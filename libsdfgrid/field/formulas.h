@@ -45,7 +45,7 @@ struct Formula {
        "two corners of the region; the solid ends there. Not needed where the formula itself shows "
        "that it is bounded"},
       {"order", ParameterKind::text, "", {0, 0, 0}, 0, 0, "certified (the default), 1 or 2"},
-      number("t", 0, -kAny, kAny, "time")};
+      number("t", 0, -kAny, kAny, "time; in scenes that of the frame unless said")};
   static constexpr bool kList = true;
   static Field make(const std::vector<Argument>& arguments);
 
@@ -134,7 +134,7 @@ struct Function {
       length_of("to", 1, "where it ends"),
       length_of("floor", -1, "extrude: the bottom, in y"),
       size("depth", 1, "extrude: along z"),
-      number("t", 0, -kAny, kAny, "time")};
+      number("t", 0, -kAny, kAny, "time; in scenes that of the frame unless said")};
   static constexpr bool kList = true;
   static Field make(const std::vector<Argument>& arguments);
   float mode;  // 0 revolve_z, 1 revolve_x, 2 extrude

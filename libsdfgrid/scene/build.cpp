@@ -117,7 +117,20 @@ class SceneBuilder {
         arguments.emplace_back(value.name, numbers(value.numbers));
       }
     }
+    add_time(node.op, arguments);
     return make_field(node.op, arguments, of);
+  }
+
+  // Formulas of position know the time of the frame, unless the node says another.
+  void add_time(const std::string& op, std::vector<Argument>& arguments) const {
+    const OpEntry* entry = find_op(op);
+    if (entry == nullptr) return;
+    const auto takes = [](const Parameter& p) { return std::string_view(p.name) == "t"; };
+    const auto given = [](const Argument& a) { return a.name == "t"; };
+    if (std::any_of(entry->parameters.begin(), entry->parameters.end(), takes) &&
+        std::none_of(arguments.begin(), arguments.end(), given)) {
+      arguments.emplace_back("t", time_);
+    }
   }
 
   // A file that is named is relative to the scene.

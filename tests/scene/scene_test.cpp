@@ -247,6 +247,23 @@ TEST(Scene, TexturesArePictures) {
   EXPECT_THROW((void)field("size: 2"), Error);
 }
 
+// In numbers, and in formulas of position unless they are told another time.
+TEST(Scene, TimeIsThatOfTheFrame) {
+  const auto at = [](const std::string& node, double time) {
+    return build("sdfgrid: 1\nscene: {" + node + "}\n", time).field;
+  };
+  const std::string ball = "formula: {f: \"x^2+y^2+z^2-(1+t)^2\", bounds: [[-3,-3,-3],[3,3,3]]}";
+  EXPECT_LT(at(ball, 0.5)({1.49F, 0, 0}), 0);
+  EXPECT_GT(at(ball, 0.5)({1.51F, 0, 0}), 0);
+  EXPECT_GT(at(ball, 0)({1.01F, 0, 0}), 0);
+  const std::string own = "function: {f: \"0.5+t\", t: 0.25}";
+  EXPECT_FLOAT_EQ(at(own, 9)({1, 0, 0}), 0.25F);
+  const std::string waves = "formula_displace: {f: \"t/10\", of: {sphere: {radius: 1}}}";
+  EXPECT_GT(at(waves, 0)({1.05F, 0, 0}), 0);
+  EXPECT_LT(at(waves, 1)({1.05F, 0, 0}), 0);
+  EXPECT_FLOAT_EQ(at("sphere: {radius: \"1+t\"}", 2)({4, 0, 0}), 1);
+}
+
 TEST(Scene, PointsAreReadFromFiles) {
   const test::Folder folder;
   (void)folder.write("p.xyz", "# three\n0 0 0\n1.5, 0, 0\n\n  -1e0\t2 3 # last\n");
