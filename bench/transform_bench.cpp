@@ -1,18 +1,24 @@
 // Dense distance transforms: speed and error in one run, one thread unless said.
 //
-//   transform_bench [--dim=512] [--march-dim=256] [--repetitions=3] [--stability]
+//   transform_bench [--dim=512] [--march-dim=256] [--repetitions=3]
+//   [--only=masks|marching|peers|mesh]
+//                   [--mesh=FILE --mesh-dim=512 --width=10] [--stability]
 //
 // Speed is samples by the processor's seconds of this process (less sensitive to what else the
-// machine does than the clock), the best of the repetitions. Peers: OpenVDB's fast sweeping here;
-// scipy and scikit-fmm by bench/transform_peers.py, with the same shapes. --stability prints the
-// figures of docs/stability.md instead.
+// machine does than the clock), the best of the repetitions. Peers: OpenVDB's fast sweeping and,
+// where it was found, ITK here; scipy and scikit-fmm by bench/transform_peers.py, with the same
+// shapes, called at the end. --stability prints the figures of docs/stability.md instead.
+#include "transform_bench.h"
+
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tools/FastSweeping.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <ctime>
 #include <functional>
 #include <glm/geometric.hpp>
@@ -32,7 +38,13 @@ struct Settings {
   int dim = 512;
   int march_dim = 256;
   int repetitions = 3;
+  std::string only;  // everything if empty
+  std::string mesh;
+  int mesh_dim = 512;
+  double width = 10;
   bool stability = false;
+
+  [[nodiscard]] bool wants(const std::string& part) const { return only.empty() || only == part; }
 };
 
 Settings parse(int count, char** words) {
@@ -43,25 +55,13 @@ Settings parse(int count, char** words) {
     if (word.starts_with("--dim=")) settings.dim = std::stoi(value);
     if (word.starts_with("--march-dim=")) settings.march_dim = std::stoi(value);
     if (word.starts_with("--repetitions=")) settings.repetitions = std::stoi(value);
+    if (word.starts_with("--only=")) settings.only = value;
+    if (word.starts_with("--mesh=")) settings.mesh = value;
+    if (word.starts_with("--mesh-dim=")) settings.mesh_dim = std::stoi(value);
+    if (word.starts_with("--width=")) settings.width = std::stod(value);
     if (word == "--stability") settings.stability = true;
   }
   return settings;
-}
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-double best_seconds(int repetitions, const std::function<void()>& work) {
-  double best = 1e300;
-  for (int r = 0; r < repetitions; ++r) {
-    const double start = cpu_seconds();
-    work();
-    best = std::min(best, cpu_seconds() - start);
-  }
-  return best;
 }
 
 // A shape by its (exact) signed distance from the middle of a volume of n^3.
@@ -121,10 +121,18 @@ Errors errors(const std::vector<float>& got, const Case& c) {
   return e;
 }
 
-void print_speed(const std::string& what, std::size_t samples, double seconds, int threads) {
-  fmt::print("{:<46} {:>2} {:>9.1f} Mvoxel/s\n", what, threads,
-             1e-6 * static_cast<double>(samples) / seconds);
-  std::fflush(stdout);
+// By the clock, in turn, so that other work on the machine is shared by both.
+void print_two_threads(int repetitions, const std::function<void()>& work) {
+  double best[2] = {1e300, 1e300};
+  for (int r = 0; r < repetitions; ++r) {
+    for (const int threads : {1, 2}) {
+      const ThreadLimit limit(threads);
+      double& seconds = best[threads - 1];
+      seconds = std::min(seconds, best_seconds(1, work, wall_seconds));
+    }
+  }
+  fmt::print("  meijster, outside, by the clock: {:.3f} s, two threads {:.3f} s, ratio {:.2f}\n",
+             best[0], best[1], best[0] / best[1]);
 }
 
 void run_masks(const Settings& settings) {
@@ -132,25 +140,28 @@ void run_masks(const Settings& settings) {
   Case c = make_case(glm::ivec3(n), ball(0.4 * n));
   c.exact = {};
   std::vector<float> distance(c.mask.size());
-  const auto measure = [&](const std::string& what, const TransformOptions& options, int threads) {
-    const ThreadLimit limit(threads);
-    const double seconds = best_seconds(
-        settings.repetitions, [&] { distance_transform(c.masked(), options, distance, Job{}); });
-    print_speed(what, distance.size(), seconds / threads, threads);
+  const auto transform = [&](const TransformOptions& options) {
+    distance_transform(c.masked(), options, distance, Job{});
+  };
+  const auto measure = [&](const std::string& what, const TransformOptions& options) {
+    const ThreadLimit limit(1);
+    const double seconds = best_seconds(settings.repetitions, [&] { transform(options); });
+    print_speed(fmt::format("{} {}^3 {}", transform_name(options.method), n, what), distance.size(),
+                seconds, 1);
   };
   const auto outside = TransformSide::outside;
-  for (const int threads : {1, 2}) {
-    measure(fmt::format("meijster {}^3 ball, outside", n), {.side = outside}, threads);
-  }
-  measure(fmt::format("meijster {}^3 ball, signed", n), {}, 1);
-  measure(fmt::format("meijster {}^3 ball, window 8", n), {.side = outside, .window = 8}, 1);
+  measure("ball, outside", {.side = outside});
+  measure("ball, signed", {});
+  measure("ball, window 8", {.side = outside, .window = 8});
   for (const auto method : {TransformMethod::chamfer345, TransformMethod::chamfer5}) {
-    measure(fmt::format("{} {}^3 ball, outside", transform_name(method), n),
-            {.method = method, .side = outside}, 1);
+    measure("ball, outside", {.method = method, .side = outside});
+    measure("ball, signed", {.method = method});
   }
+  print_two_threads(settings.repetitions, [&] { transform({.side = outside}); });
+  run_itk(c.dims, c.mask, std::min(settings.repetitions, 2));
   std::mt19937 random(1);
   for (auto& m : c.mask) m = random() % 100 == 0 ? 1 : 0;
-  measure(fmt::format("meijster {}^3, 1 % noise, outside", n), {.side = outside}, 1);
+  measure("1 % noise, outside", {.side = outside});
 }
 
 void run_marching(const Settings& settings) {
@@ -191,6 +202,14 @@ void run_fast_sweeping(const Settings& settings) {
   const Errors e = errors(std::vector<float>(dense.data(), dense.data() + c.exact.size()), c);
   print_speed(fmt::format("OpenVDB sdfToSdf {}^3 ball: L1 {:.4f} max {:.3f}", n, e.mean, e.max),
               c.exact.size(), seconds, 1);
+}
+
+// scipy and scikit-fmm, in their own process.
+void run_peers(const Settings& settings) {
+  std::fflush(stdout);
+  const std::string command = fmt::format("/usr/bin/python3 {} {} {}", SDFGRID_BENCH_PEERS,
+                                          settings.dim, settings.march_dim);
+  if (std::system(command.c_str()) != 0) fmt::print("scipy was not found (python3-scipy)\n");
 }
 
 void print_errors(const std::string& what, const TransformOptions& options, const DenseSeeds& seeds,
@@ -251,6 +270,34 @@ void run_stability() {
 }
 
 }  // namespace
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+double wall_seconds() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(now).count();
+}
+
+double best_seconds(int repetitions, const std::function<void()>& work, double (*clock)()) {
+  double best = 1e300;
+  for (int r = 0; r < repetitions; ++r) {
+    const double start = clock();
+    work();
+    best = std::min(best, clock() - start);
+  }
+  return best;
+}
+
+void print_speed(const std::string& what, std::size_t samples, double seconds, int threads) {
+  fmt::print("{:<46} {:>2} {:>9.1f} Mvoxel/s\n", what, threads,
+             1e-6 * static_cast<double>(samples) / seconds);
+  std::fflush(stdout);
+}
+
 }  // namespace sdfgrid::bench
 
 int main(int count, char** words) {
@@ -262,7 +309,13 @@ int main(int count, char** words) {
     run_stability();
     return 0;
   }
-  run_masks(settings);
-  run_marching(settings);
-  run_fast_sweeping(settings);
+  if (settings.wants("masks")) run_masks(settings);
+  if (settings.wants("marching")) {
+    run_marching(settings);
+    run_fast_sweeping(settings);
+  }
+  if (settings.wants("peers")) run_peers(settings);
+  if (settings.wants("mesh") && !settings.mesh.empty()) {
+    run_mesh(settings.mesh, settings.mesh_dim, settings.width, settings.repetitions);
+  }
 }

@@ -33,24 +33,39 @@ struct BorderBits {
   std::vector<SiteBits> outside;
 };
 
+// Which samples of a brick are seeds, and which of those are inside.
+struct SeedSides {
+  BrickBits known;
+  BrickBits inside;
+};
+
+SeedSides sides_of(const Brick& brick) {
+  SeedSides sides{};
+  std::copy_n(brick.active, 8, sides.known.begin());
+  for (std::size_t s = 0; s < 512; ++s) {
+    if (brick.values[s] < 0) sides.inside[s >> 6] |= 1ULL << (s & 63);
+  }
+  return sides;
+}
+
 enum class Side : std::uint8_t { unknown, outside, inside };
 
 // The sides of a brick's samples and of one layer around it.
 class BrickSides {
  public:
-  BrickSides(const MeshSeeds& seeds, const glm::ivec3& coordinate) {
-    std::array<const SeedBrick*, 27> around{};
+  BrickSides(const MeshSeeds<SeedSides>& seeds, const glm::ivec3& coordinate) {
+    std::array<const SeedSides*, 27> around{};
     for (int n = 0; n < 27; ++n) {
       const glm::ivec3 by(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
       if (std::abs(by.x) + std::abs(by.y) + std::abs(by.z) > 1) continue;
       const std::int32_t i = seeds.table.find(coordinate + by);
-      if (i != BrickTable::kNone) around[static_cast<std::size_t>(n)] = &seeds.bricks[i];
+      if (i != BrickTable::kNone) around[static_cast<std::size_t>(n)] = seeds.bricks[i].get();
     }
     for (int x = -1; x <= 8; ++x) {
       for (int y = -1; y <= 8; ++y) {
         for (int z = -1; z <= 8; ++z) {
           const int n = ((x + 8) / 8 * 3 + (y + 8) / 8) * 3 + (z + 8) / 8;
-          const SeedBrick* brick = around[static_cast<std::size_t>(n)];
+          const SeedSides* brick = around[static_cast<std::size_t>(n)];
           if (brick != nullptr)
             at(x, y, z) = side_of(*brick, (x & 7) << 6 | (y & 7) << 3 | (z & 7));
         }
@@ -72,16 +87,16 @@ class BrickSides {
     return static_cast<std::size_t>(((x + 1) * 10 + y + 1) * 10 + z + 1);
   }
   Side& at(int x, int y, int z) { return sides_[place(x, y, z)]; }
-  static Side side_of(const SeedBrick& brick, int s) {
+  static Side side_of(const SeedSides& brick, int s) {
     const auto n = static_cast<std::size_t>(s);
     if ((brick.known[n >> 6] >> (n & 63) & 1) == 0) return Side::unknown;
-    return brick.distance[n] < 0 ? Side::inside : Side::outside;
+    return (brick.inside[n >> 6] >> (n & 63) & 1) != 0 ? Side::inside : Side::outside;
   }
 
   std::array<Side, 1000> sides_{};
 };
 
-BorderBits find_borders(const MeshSeeds& seeds, const Job& job) {
+BorderBits find_borders(const MeshSeeds<SeedSides>& seeds, const Job& job) {
   BorderBits borders{std::vector<SiteBits>(seeds.bricks.size()),
                      std::vector<SiteBits>(seeds.bricks.size())};
   parallel_for(seeds.bricks.size(), kBricksPerTask, job, [&](std::size_t begin, std::size_t end) {
@@ -109,8 +124,8 @@ BrickTable joined(const BrickTable& a, const BrickTable& b) {
 
 class MeshBinary final : public MeshTransform {
  public:
-  MeshBinary(MeshSeeds seeds, const BorderBits& borders, const Lattice& lattice, const Band& band,
-             const Job& job)
+  MeshBinary(MeshSeeds<SeedSides> seeds, const BorderBits& borders, const Lattice& lattice,
+             const Band& band, const Job& job)
       : lattice_(lattice),
         band_(band),
         contradicted_(seeds.contradicted),
@@ -184,7 +199,7 @@ std::unique_ptr<MeshTransform> make_mesh_binary(const SignedMesh& mesh, const La
                 "the meijster method measures between inside and outside, and without signs there "
                 "is neither; use --method exact");
   }
-  MeshSeeds seeds = find_seeds(mesh, lattice, job);
+  auto seeds = find_seeds<SeedSides>(mesh, lattice, kMarchSeedWidth, sides_of, job);
   const BorderBits borders = find_borders(seeds, job);
   return std::make_unique<MeshBinary>(std::move(seeds), borders, lattice, band, job);
 }

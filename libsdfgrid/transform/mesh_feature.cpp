@@ -3,13 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
-#include "sdfgrid/transform/mesh_seeds.h"
+#include "sdfgrid/transform/cell_sites.h"
 #include "sdfgrid/transform/nearest_sites.h"
 #include "sdfgrid/transform/site_kernel.h"
 #include "sdfgrid/voxelize/node_bins.h"
@@ -17,84 +23,15 @@
 namespace sdfgrid {
 namespace {
 
-constexpr std::size_t kBricksPerTask = 32;
+static_assert(kLargestReach + 1 <= CellsAround::kLargestReach);
 
-// No sample of the band is further from its nearest seed than from the surface: the cell in which
-// the way to the surface ends has its corners among the seeds, one of them on this side of it, and
-// half a cell's diagonal may come on top.
-int reach_for(const Band& band) {
-  return static_cast<int>(std::ceil(std::max(band.exwidth, band.inwidth) + 0.9));
+// Cells between the centres of a sample's cell and of the nearest cell with a seed: half a cell's
+// diagonal (0.87 samples) from the sample to its centre, as much from the surface to the nearest
+// seed, and from that to its cell's centre.
+double cells_apart(const Band& band) {
+  return (std::max(band.exwidth, band.inwidth) + 1.5 * std::sqrt(3.0)) / kCell;
 }
-
-std::vector<SiteBits> site_bits(const MeshSeeds& seeds) {
-  std::vector<SiteBits> bits;
-  bits.reserve(seeds.bricks.size());
-  for (const SeedBrick& brick : seeds.bricks) bits.push_back(brick.known);
-  return bits;
-}
-
-// The triangles of one brick, each once.
-class TriangleSet {
- public:
-  explicit TriangleSet(std::size_t triangles) : last_brick_(triangles, 0) {}
-
-  void begin() {
-    ++brick_;
-    triangles_.clear();
-  }
-  void add(std::uint32_t triangle) {
-    if (last_brick_[triangle] == brick_) return;
-    last_brick_[triangle] = brick_;
-    triangles_.push_back(triangle);
-  }
-  [[nodiscard]] const std::vector<std::uint32_t>& triangles() const { return triangles_; }
-
- private:
-  std::vector<std::uint32_t> last_brick_;  // that had the triangle
-  std::uint32_t brick_ = 0;
-  std::vector<std::uint32_t> triangles_;
-};
-
-// The seeds around one brick, looked up once.
-class SeedsAround {
- public:
-  SeedsAround(const MeshSeeds& seeds, const glm::ivec3& coordinate)
-      : seeds_(seeds), coordinate_(coordinate) {
-    bricks_.fill(&unknown_);
-  }
-
-  // Sample `at` counts from the brick's first one. Null where there are no seeds.
-  const SeedBrick* brick_of(const glm::ivec3& at) {
-    const glm::ivec3 b(at.x >> 3, at.y >> 3, at.z >> 3);
-    const SeedBrick*& brick = bricks_[static_cast<std::size_t>(
-        ((b.x + kHalo) * kSide + b.y + kHalo) * kSide + b.z + kHalo)];
-    if (brick == &unknown_) {
-      const std::int32_t i = seeds_.table.find(coordinate_ + b);
-      brick = i == BrickTable::kNone ? nullptr : &seeds_.bricks[static_cast<std::size_t>(i)];
-    }
-    return brick;
-  }
-
- private:
-  static constexpr int kHalo = (kLargestReach + 1 + 7) / 8;  // bricks; one sample more is asked for
-  static constexpr int kSide = 2 * kHalo + 1;
-  static const SeedBrick unknown_;
-  const MeshSeeds& seeds_;
-  glm::ivec3 coordinate_;
-  std::array<const SeedBrick*, kSide * kSide * kSide> bricks_;
-};
-const SeedBrick SeedsAround::unknown_{};
-
-std::size_t place(const glm::ivec3& at) {
-  return static_cast<std::size_t>((at.x & 7) << 6 | (at.y & 7) << 3 | (at.z & 7));
-}
-
-// Samples of a brick's sides, about every second one.
-bool on_side(const glm::ivec3& at) {
-  const auto picked = [](int c) { return c == 0 || c == 2 || c == 5 || c == 7; };
-  const auto end = [](int c) { return c == 0 || c == 7; };
-  return picked(at.x) && picked(at.y) && picked(at.z) && (end(at.x) || end(at.y) || end(at.z));
-}
+int reach_for(const Band& band) { return static_cast<int>(std::ceil(cells_apart(band))); }
 
 class MeshFeature final : public MeshTransform {
  public:
@@ -102,11 +39,15 @@ class MeshFeature final : public MeshTransform {
       : mesh_(mesh),
         lattice_(lattice),
         band_(band),
-        reach_(reach_for(band)),
-        seeds_(find_seeds(mesh, lattice, job)),
-        bits_(site_bits(seeds_)),
-        sites_(seeds_.table, bits_, reach_, job) {
-    records_.resize(mesh.soup.triangles.size());
+        sites_(mesh, lattice, job),
+        nearest_(sites_.blocks, sites_.bits, reach_for(band), job),
+        records_(mesh.soup.triangles.size()) {
+    const double apart = cells_apart(band);
+    limit_ = (static_cast<std::int32_t>(apart * apart) + 1) << 18;
+    keys_.resize(nearest_.bricks().size());
+    parallel_for(keys_.size(), 64, job, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) nearest_.keys(i, keys_[i]);
+    });
     parallel_for(records_.size(), 4096, job, [&](std::size_t begin, std::size_t end) {
       for (std::size_t t = begin; t < end; ++t) {
         glm::dvec3 corners[3];
@@ -116,72 +57,145 @@ class MeshFeature final : public MeshTransform {
     });
   }
 
-  [[nodiscard]] std::size_t bricks() const override { return sites_.bricks().size(); }
+  [[nodiscard]] std::size_t bricks() const override { return 8 * nearest_.bricks().size(); }
 
   void run(const std::function<void(std::size_t, const Brick&)>& take,
            const Job& job) const override {
-    const std::size_t tasks = (bricks() + kTaskBricks - 1) / kTaskBricks;
+    const std::size_t blocks = nearest_.bricks().size();
+    const std::size_t tasks = (blocks + kTaskBlocks - 1) / kTaskBlocks;
     std::atomic<std::size_t> done{0};
     parallel_for(tasks, 1, job, [&](std::size_t task, std::size_t) {
-      TriangleSet set(records_.size());
-      const auto maker = std::make_unique<BrickMaker>(mesh_, lattice_, band_, reach_);
-      const std::size_t end = std::min(bricks(), (task + 1) * kTaskBricks);
-      for (std::size_t i = task * kTaskBricks; i < end; ++i) {
-        if (!find_triangles(i, set)) continue;
-        maker->begin(sites_.bricks().coordinates()[i] * kBrickEdge);
-        for (const std::uint32_t t : set.triangles()) maker->add(records_[t], t);
-        const Brick brick = maker->make();
-        if (maker->is_needed()) take(i, brick);
-      }
+      Worker worker(*this);
+      const std::size_t end = std::min(blocks, (task + 1) * kTaskBlocks);
+      for (std::size_t block = task * kTaskBlocks; block < end; ++block) worker.run(block, take);
       job.report("transform", static_cast<double>(++done) / static_cast<double>(tasks));
     });
   }
 
-  [[nodiscard]] bool contradicted() const override { return seeds_.contradicted; }
+  [[nodiscard]] bool contradicted() const override { return sites_.seeds.contradicted; }
 
  private:
-  static constexpr std::size_t kTaskBricks = 1024;  // a set of triangles costs as many stamps
+  static constexpr std::size_t kTaskBlocks = 128;  // a set of triangles costs as many stamps
 
-  // The triangles of the nearest seeds of a brick's samples. False if no seed is in reach.
-  bool find_triangles(std::size_t i, TriangleSet& set) const {
-    SiteKeys keys;
-    if (!sites_.keys(i, keys)) return false;
-    set.begin();
-    SeedsAround seeds(seeds_, sites_.bricks().coordinates()[i]);
-    for (int s = 0; s < 512; ++s) {
-      const std::int32_t key = keys[static_cast<std::size_t>(s)];
-      if (key >= kNoSite) continue;
-      const glm::ivec3 sample(s >> 6, s >> 3 & 7, s & 7);
-      const glm::ivec3 site = sample + site_offset(key);
-      set.add(seeds.brick_of(site)->triangle[place(site)]);
-      // A sample's own triangle may be its seed's neighbour's; inside the brick another sample
-      // brings that.
-      if (on_side(sample)) add_around(site, seeds, set);
+  // Voxels; at least to the neighbour across the surface, with slack.
+  [[nodiscard]] double reach() const { return std::max({band_.exwidth, band_.inwidth, 1.01}); }
+
+  // What one thread needs.
+  class Worker {
+   public:
+    explicit Worker(const MeshFeature& feature)
+        : feature_(feature),
+          set_(feature.records_.size()),
+          cells_(feature.sites_, reach_for(feature.band_) + kApron),
+          maker_(std::make_unique<BrickMaker>(feature.mesh_, feature.lattice_, feature.band_,
+                                              feature.reach(), Culling::smooth)) {}
+
+    void run(std::size_t block, const std::function<void(std::size_t, const Brick&)>& take) {
+      const glm::ivec3 coordinate = feature_.nearest_.bricks().coordinates()[block];
+      find_places(coordinate);
+      cells_.begin_block(coordinate);
+      for (int octant = 0; octant < 8; ++octant) {
+        const glm::ivec3 at(octant >> 2, octant >> 1 & 1, octant & 1);
+        if (!find_triangles(at * kBrickCells)) continue;
+        if (!add_triangles((coordinate * 2 + at) * kBrickEdge)) continue;
+        const Brick brick = maker_->make();
+        if (maker_->is_needed()) take(8 * block + static_cast<std::size_t>(octant), brick);
+      }
     }
-    return true;
-  }
 
-  static void add_around(const glm::ivec3& site, SeedsAround& seeds, TriangleSet& set) {
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const int by : {-1, 1}) {
-        glm::ivec3 at = site;
-        at[axis] += by;
-        const SeedBrick* brick = seeds.brick_of(at);
-        const std::size_t s = place(at);
-        if (brick != nullptr && (brick->known[s >> 6] >> (s & 63) & 1) != 0) {
-          set.add(brick->triangle[s]);
+   private:
+    static constexpr int kApron = 1;  // cells around the block that are asked too
+    static constexpr int kAsked = kBlockCells + 2 * kApron;
+
+    static std::size_t asked(const glm::ivec3& cell) {
+      const glm::ivec3 at = cell + kApron;
+      return static_cast<std::size_t>((at.x * kAsked + at.y) * kAsked + at.z);
+    }
+
+    // Where the nearest cell with a seed is, for all cells of the block and around it.
+    void find_places(const glm::ivec3& block) {
+      const SiteKeys* around[27];
+      for (int i = 0; i < 27; ++i) {
+        const glm::ivec3 at(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1);
+        const std::int32_t found = feature_.nearest_.bricks().find(block + at);
+        around[i] =
+            found == BrickTable::kNone ? nullptr : &feature_.keys_[static_cast<std::size_t>(found)];
+      }
+      for (int x = -kApron; x < kBlockCells + kApron; ++x) {
+        for (int y = -kApron; y < kBlockCells + kApron; ++y) {
+          for (int z = -kApron; z < kBlockCells + kApron; ++z) {
+            const glm::ivec3 cell(x, y, z);
+            const glm::ivec3 b = (cell >> 3) + 1;  // kBlockCells is eight
+            const SiteKeys* keys = around[(b.x * 3 + b.y) * 3 + b.z];
+            const auto n = static_cast<std::size_t>(((x & 7) * 8 + (y & 7)) * 8 + (z & 7));
+            const std::int32_t key = keys == nullptr ? kNoSite : (*keys)[n];
+            places_[asked(cell)] =
+                key >= feature_.limit_ ? kNowhere : cells_.place(cell + site_offset(key));
+          }
         }
       }
     }
-  }
+
+    // The triangles for the brick whose first cell is `first` in the block. False if all of its
+    // samples are beyond the band. The cells around it are asked too, for which of two surfaces is
+    // nearer is known to about a cell only.
+    bool find_triangles(const glm::ivec3& first) {
+      bool any = false;
+      for (int x = 0; x < kBrickCells; ++x) {
+        for (int y = 0; y < kBrickCells; ++y) {
+          const std::int32_t* row = &places_[asked(first + glm::ivec3(x, y, 0))];
+          for (int z = 0; z < kBrickCells; ++z) any = any || row[z] != kNowhere;
+        }
+      }
+      if (!any) return false;
+      const auto within = [](int c) { return c >= 0 && c < kBrickCells; };
+      for (int x = -kApron; x < kBrickCells + kApron; ++x) {
+        for (int y = -kApron; y < kBrickCells + kApron; ++y) {
+          const std::int32_t* row = &places_[asked(first + glm::ivec3(x, y, 0))];
+          for (int z = -kApron; z < kBrickCells + kApron; ++z) {
+            if (row[z] != kNowhere) cells_.mark(row[z], within(x) && within(y) && within(z));
+          }
+        }
+      }
+      set_.begin();
+      cells_.collect(set_);
+      return true;
+    }
+
+    // Those of the set whose planes are within reach of the brick's samples. False if none is.
+    bool add_triangles(const glm::ivec3& origin) {
+      constexpr double kHalf = 0.5 * (kBrickEdge - 1);
+      const glm::dvec3 center = glm::dvec3(origin) + kHalf;
+      maker_->begin(origin);
+      bool any = false;
+      for (const std::uint32_t t : set_.triangles()) {
+        const TriangleRecord& r = feature_.records_[t];
+        const glm::dvec3 normal(r.gx[0], r.gy[0], r.gz[0]);
+        const glm::dvec3 size = glm::abs(normal);
+        const double support = kHalf * (size.x + size.y + size.z);
+        if (std::abs(glm::dot(normal, center) + r.k[0]) > feature_.reach() + support + 1e-3)
+          continue;
+        maker_->add(r, t);
+        any = true;
+      }
+      return any;
+    }
+
+    static constexpr std::int32_t kNowhere = -1;
+    const MeshFeature& feature_;
+    TriangleSet set_;
+    CellsAround cells_;
+    std::unique_ptr<BrickMaker> maker_;
+    std::array<std::int32_t, kAsked * kAsked * kAsked> places_;
+  };
 
   const SignedMesh& mesh_;
   Lattice lattice_;
   Band band_;
-  int reach_;
-  MeshSeeds seeds_;
-  std::vector<SiteBits> bits_;
-  NearestSites sites_;
+  CellSites sites_;
+  NearestSites nearest_;
+  std::vector<SiteKeys> keys_;           // as in nearest_
+  std::int32_t limit_ = 0;               // the first key beyond the band
   std::vector<TriangleRecord> records_;  // of all triangles
 };
 
@@ -193,7 +207,7 @@ std::unique_ptr<MeshTransform> make_mesh_feature(const SignedMesh& mesh, const L
     throw Error(ErrorKind::usage,
                 fmt::format("the feature method does bands of up to {} voxels; use --method exact "
                             "or cpm for wider ones",
-                            kLargestReach - 1));
+                            static_cast<int>(kCell * kLargestReach - 1.5 * std::sqrt(3.0))));
   }
   return std::make_unique<MeshFeature>(mesh, lattice, band, job);
 }

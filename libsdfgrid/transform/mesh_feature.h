@@ -1,5 +1,6 @@
-// transform/mesh_feature.h: the feature transform of a mesh: the nearest seed of every sample, and
-// from its triangle and those of the samples around it the distance (not installed).
+// transform/mesh_feature.h: the feature transform of a mesh: for every cell of 2^3 samples the
+// nearest cell beside the surface, and from the triangles of the seeds in and around those cells
+// the distances (not installed).
 #pragma once
 
 #include <memory>

@@ -38,12 +38,30 @@ MarchOptions march_options(const Band& band, const TransformOptions& options) {
 
 // So deep that no step leads from one side's seeds over the other's.
 double seed_width(const TransformOptions& options) {
-  double width = MeshSeeds::kWidth;
+  double width = kMarchSeedWidth;
   if (!is_chamfer(options.method)) return width;
   for (const ChamferStep& step : chamfer_steps(options)) {
     width = std::max(width, glm::length(glm::dvec3(step.offset)));
   }
   return width;
+}
+
+struct SeedBrick {
+  float distance[512];          // voxels, signed; beyond the seeds no use
+  std::uint32_t triangle[512];  // nearest, of the mesh
+  BrickBits known;              // which samples are seeds
+};
+
+SeedBrick copy_seeds(const Brick& brick, double voxel) {
+  SeedBrick seeds;
+  std::copy_n(brick.active, 8, seeds.known.begin());
+  const double per_voxel = 1 / voxel;
+  for (std::size_t s = 0; s < 512; ++s) {
+    const std::int32_t nearest = brick.nearest[s];
+    seeds.triangle[s] = nearest < 0 ? 0 : brick.triangles[nearest >> 2];
+    seeds.distance[s] = static_cast<float>(static_cast<double>(brick.values[s]) * per_voxel);
+  }
+  return seeds;
 }
 
 class MeshMarch final : public MeshTransform {
@@ -52,7 +70,9 @@ class MeshMarch final : public MeshTransform {
             const TransformOptions& options, const Job& job)
       : lattice_(lattice), band_(band), march_(march_options(band, options)), table_({}) {
     {
-      const MeshSeeds seeds = find_seeds(mesh, lattice, job, seed_width(options));
+      const auto seeds = find_seeds<SeedBrick>(
+          mesh, lattice, seed_width(options),
+          [&](const Brick& brick) { return copy_seeds(brick, lattice.voxel); }, job);
       contradicted_ = seeds.contradicted;
       seed(seeds, options);
     }
@@ -89,11 +109,11 @@ class MeshMarch final : public MeshTransform {
   [[nodiscard]] bool contradicted() const override { return contradicted_; }
 
  private:
-  void seed(const MeshSeeds& seeds, const TransformOptions& options) {
+  void seed(const MeshSeeds<SeedBrick>& seeds, const TransformOptions& options) {
     for (const glm::ivec3& coordinate : seeds.table.coordinates()) march_.field().make(coordinate);
     march_.reserve();
     for (std::size_t i = 0; i < seeds.bricks.size(); ++i) {
-      const SeedBrick& brick = seeds.bricks[i];
+      const SeedBrick& brick = *seeds.bricks[i];
       const auto first = static_cast<std::uint32_t>((i + 1) * 512);  // brick 0 is nowhere
       for (std::uint32_t s = 0; s < 512; ++s) {
         if ((brick.known[s >> 6] >> (s & 63) & 1) == 0) continue;

@@ -5,6 +5,8 @@
 // those triangles are evaluated that can be nearest to one of its samples: with m the distance from
 // the group's centre to the nearest triangle and R the group's radius, a triangle further than m +
 // 2R from the centre cannot. The same distance function serves for both, on the 32 centres first.
+// Where surfaces are smooth that is far too much: over a plane, the foot of a sample is within R of
+// the centre's foot, and the triangle it is in within sqrt(m^2 + R^2).
 #include "sdfgrid/voxelize/brick_kernel.h"
 
 #include "sdfgrid/core/simd.h"
@@ -15,6 +17,12 @@ namespace {
 constexpr float kHuge = 1e30F;
 constexpr float kGroupRadius = 1.6583124F;  // sqrt(0.5^2 + 0.5^2 + 1.5^2)
 constexpr int kGroups = 32;
+// For Culling::smooth: how far along the surface from the centre's foot triangles are tried, and
+// the least cosine between the normals, each towards the centre, of one smooth surface. On the
+// hollow side of a curved surface feet spread by 1 / (1 - m / radius): right up to a third of the
+// radius of curvature; beyond, a foot's distance is stationary, so that the error is small.
+constexpr float kPatch = 1.5F * kGroupRadius;
+constexpr float kSameFacing = 0.8F;
 
 struct Point16 {
   F16 x, y, z;
@@ -78,30 +86,72 @@ inline Distance16 distance(const TriangleFrame& f, const Point16& p) {
   return {fma(height, height, select(face, zero, nearest_edge)), height, face};
 }
 
+// Of the centres of sixteen groups.
+struct NearestTriangle {
+  F16 squared = splat(kHuge);
+  F16 x = splat(0.0F), y = splat(0.0F), z = splat(0.0F);  // normal, towards the centre
+};
+
+// Squared distances from the centres up to which triangles are candidates.
+struct CandidateLimit {
+  F16 any;
+  F16 same_facing;
+};
+
+inline CandidateLimit candidate_limit(const NearestTriangle& nearest, float reach,
+                                      Culling culling) {
+  const F16 m = sqrt(nearest.squared);
+  // A little more than the geometry asks for, so that rounding cannot drop the nearest triangle.
+  const F16 furthest = min(m + (2 * kGroupRadius + 1e-3F), splat(reach + kGroupRadius + 1e-3F));
+  const I16 out_of_reach = m > splat(reach + kGroupRadius + 1e-3F);
+  const F16 any = select(out_of_reach, splat(-1.0F), furthest * furthest);
+  if (culling == Culling::exact) return {any, any};
+  return {any, min(any, nearest.squared + kPatch * kPatch)};
+}
+
+// Which groups have a triangle as a candidate, of sixteen. The sign of its squared distance says on
+// which side of it the centre is.
+inline std::uint32_t wanted_by(const TriangleFrame& f, const NearestTriangle& nearest,
+                               F16 signed_square, const CandidateLimit& limit, Culling culling) {
+  const F16 squared = abs(signed_square);
+  if (culling == Culling::exact) return bits(squared <= limit.any);
+  const F16 up =
+      fma(nearest.x, splat(f.gx[0]), fma(nearest.y, splat(f.gy[0]), nearest.z * splat(f.gz[0])));
+  const F16 cosine = select(signed_square < splat(0.0F), -up, up);
+  return bits(squared <= select(cosine > splat(kSameFacing), limit.same_facing, limit.any));
+}
+
 // Fills the list of each group with the triangles that can be nearest to one of its samples.
 void choose_candidates(const TriangleFrame* frames, std::int32_t count, float reach,
-                       const BrickScratch& scratch, std::int32_t sizes[kGroups]) {
-  F16 nearest[2] = {splat(kHuge), splat(kHuge)};
+                       Culling culling, const BrickScratch& scratch, std::int32_t sizes[kGroups]) {
+  NearestTriangle nearest[2];
   const Point16 centers[2] = {group_centers(0), group_centers(1)};
   for (std::int32_t i = 0; i < count; ++i) {
+    const TriangleFrame& f = frames[i];
     for (int half = 0; half < 2; ++half) {
-      const F16 squared = distance(frames[i], centers[half]).squared;
-      store(scratch.center_distance + 32 * i + 16 * half, squared);
-      nearest[half] = min(nearest[half], squared);
+      const Distance16 d = distance(f, centers[half]);
+      const I16 behind = d.height < splat(0.0F);
+      store(scratch.center_distance + 32 * i + 16 * half, select(behind, -d.squared, d.squared));
+      NearestTriangle& n = nearest[half];
+      const I16 nearer = d.squared < n.squared;
+      n.squared = min(n.squared, d.squared);
+      if (culling == Culling::exact) continue;
+      // A foot far from the normal is on a sharp edge or a border: no smooth surface to rely on.
+      const I16 oblique = d.height * d.height < d.squared * (kSameFacing * kSameFacing);
+      const F16 side = select(oblique, splat(0.0F), select(behind, splat(-1.0F), splat(1.0F)));
+      n.x = select(nearer, side * f.gx[0], n.x);
+      n.y = select(nearer, side * f.gy[0], n.y);
+      n.z = select(nearer, side * f.gz[0], n.z);
     }
   }
-  F16 limit[2];
-  for (int half = 0; half < 2; ++half) {
-    const F16 m = sqrt(nearest[half]);
-    // A little more than the geometry asks for, so that rounding cannot drop the nearest triangle.
-    const F16 furthest = min(m + (2 * kGroupRadius + 1e-3F), splat(reach + kGroupRadius + 1e-3F));
-    const I16 out_of_reach = m > splat(reach + kGroupRadius + 1e-3F);
-    limit[half] = select(out_of_reach, splat(-1.0F), furthest * furthest);
-  }
+  const CandidateLimit limit[2] = {candidate_limit(nearest[0], reach, culling),
+                                   candidate_limit(nearest[1], reach, culling)};
   for (int g = 0; g < kGroups; ++g) sizes[g] = 0;
   for (std::int32_t i = 0; i < count; ++i) {
-    std::uint32_t wanted = bits(load(scratch.center_distance + 32 * i) <= limit[0]) |
-                           bits(load(scratch.center_distance + 32 * i + 16) <= limit[1]) << 16;
+    const float* squared = scratch.center_distance + 32 * i;
+    std::uint32_t wanted = wanted_by(frames[i], nearest[0], load(squared), limit[0], culling) |
+                           wanted_by(frames[i], nearest[1], load(squared + 16), limit[1], culling)
+                               << 16;
     while (wanted != 0) {
       const int g = __builtin_ctz(wanted);
       wanted &= wanted - 1;
@@ -119,10 +169,10 @@ void store_group(int g, F16 squared, I16 nearest, BrickDistances& out) {
   }
 }
 
-void distances(const TriangleFrame* frames, std::int32_t count, float reach,
+void distances(const TriangleFrame* frames, std::int32_t count, float reach, Culling culling,
                const BrickScratch& scratch, BrickDistances& out) {
   std::int32_t sizes[kGroups];
-  choose_candidates(frames, count, reach, scratch, sizes);
+  choose_candidates(frames, count, reach, culling, scratch, sizes);
   const F16 zero = splat(0.0F);
   for (int g = 0; g < kGroups; ++g) {
     const Point16 p = group_samples(g);

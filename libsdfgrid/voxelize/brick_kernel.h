@@ -33,6 +33,12 @@ struct TriangleFrame {
   float unused;
 };
 
+// Which triangles are tried for a few samples side by side.
+enum class Culling : int {
+  exact,   // all that can be nearest to one of them
+  smooth,  // of those that face as the nearest does only what can be if they lie in a plane
+};
+
 struct BrickScratch {
   float* center_distance;  // 32 a triangle
   std::int32_t* lists;     // 32 a triangle
@@ -67,7 +73,7 @@ struct BrickKernel {
   // Squared distance from `center` to the triangle.
   double (*squared_distance)(const TriangleRecord& record, const double center[3]);
   // `frames` must hold every triangle within `reach` voxels (>= 1) of a sample of the brick.
-  void (*distances)(const TriangleFrame* frames, std::int32_t count, float reach,
+  void (*distances)(const TriangleFrame* frames, std::int32_t count, float reach, Culling culling,
                     const BrickScratch& scratch, BrickDistances& out);
   void (*links)(const BrickDistances& distances, float reach, BrickLinks& out);
   // Signed values in world units, and which are within the band.

@@ -29,10 +29,11 @@ BrickBits signs(const SignedMesh& mesh, const BrickDistances& distances, const B
 }  // namespace
 
 BrickMaker::BrickMaker(const SignedMesh& mesh, const Lattice& lattice, const Band& band,
-                       double reach)
+                       double reach, Culling culling)
     : mesh_(mesh),
       lattice_(lattice),
       reach_(static_cast<float>(reach)),
+      culling_(culling),
       widths_{static_cast<float>(lattice.voxel), static_cast<float>(band.exwidth),
               static_cast<float>(band.inwidth), static_cast<float>(band.exwidth * lattice.voxel),
               static_cast<float>(band.inwidth * lattice.voxel)} {}
@@ -56,7 +57,7 @@ Brick BrickMaker::make() {
     lists_.resize(32 * count);
     center_distance_.resize(32 * count);
   }
-  kernel.distances(frames_.data(), static_cast<std::int32_t>(count), reach_,
+  kernel.distances(frames_.data(), static_cast<std::int32_t>(count), reach_, culling_,
                    {center_distance_.data(), lists_.data()}, distances_);
   kernel.links(distances_, reach_, links_);
   const BrickPosition position{lattice_.to_world(glm::dvec3(origin_)) - mesh_.soup.origin,

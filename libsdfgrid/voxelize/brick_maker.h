@@ -28,8 +28,9 @@ struct Brick {
 class BrickMaker {
  public:
   // Keeps a reference to the mesh. Distances are exact up to `reach` voxels if all triangles within
-  // that of a sample are added.
-  BrickMaker(const SignedMesh& mesh, const Lattice& lattice, const Band& band, double reach);
+  // that of a sample are added (to Culling::smooth where surfaces are).
+  BrickMaker(const SignedMesh& mesh, const Lattice& lattice, const Band& band, double reach,
+             Culling culling = Culling::exact);
 
   void begin(const glm::ivec3& origin);
   void add(const TriangleRecord& record, std::uint32_t triangle);
@@ -45,6 +46,7 @@ class BrickMaker {
   const SignedMesh& mesh_;
   Lattice lattice_;
   float reach_;
+  Culling culling_;
   BandWidths widths_;
   glm::ivec3 origin_{0};
   std::vector<TriangleFrame> frames_;

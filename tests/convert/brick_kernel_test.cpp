@@ -105,7 +105,7 @@ BrickDistances run(const BrickKernel& kernel, const std::vector<Triangle>& trian
   std::vector<float> distance(32 * frames.size());
   std::vector<std::int32_t> lists(32 * frames.size());
   BrickDistances out;
-  kernel.distances(frames.data(), static_cast<std::int32_t>(frames.size()), reach,
+  kernel.distances(frames.data(), static_cast<std::int32_t>(frames.size()), reach, Culling::exact,
                    {distance.data(), lists.data()}, out);
   return out;
 }
