@@ -119,7 +119,7 @@ class ExactFiller {
     }
     constexpr float kEverywhere = 1e6F;  // voxels
     brick_kernel().distances(frames_.data(), static_cast<std::int32_t>(count), kEverywhere,
-                             {center_distance_.data(), lists_.data()}, distances_);
+                             Culling::exact, {center_distance_.data(), lists_.data()}, distances_);
   }
   // Again in double: far from the centre of a brick a frame's floats are a little off.
   [[nodiscard]] double to_nearest(int s, const glm::dvec3& index) const {

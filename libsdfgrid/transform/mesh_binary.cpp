@@ -14,6 +14,7 @@
 #include "sdfgrid/transform/mesh_seeds.h"
 #include "sdfgrid/transform/nearest_sites.h"
 #include "sdfgrid/transform/site_kernel.h"
+#include "sdfgrid/voxelize/brick_sign.h"
 #include "sdfgrid/voxelize/node_bins.h"
 
 namespace sdfgrid {

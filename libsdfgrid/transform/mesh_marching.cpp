@@ -12,6 +12,7 @@
 #include "sdfgrid/transform/chamfer_mask.h"
 #include "sdfgrid/transform/marching.h"
 #include "sdfgrid/transform/mesh_seeds.h"
+#include "sdfgrid/voxelize/brick_sign.h"
 #include "sdfgrid/voxelize/node_bins.h"
 
 namespace sdfgrid {
