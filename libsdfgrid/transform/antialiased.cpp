@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "sdfgrid/core/error.h"
@@ -21,8 +22,8 @@ constexpr float kLeast = 1e-6F;
 
 class Antialiased {
  public:
-  Antialiased(const DenseSeeds& seeds, const TransformOptions& options)
-      : samples_(seeds), options_(options), nearest_(count(seeds.dims)) {}
+  Antialiased(const DenseSeeds& seeds, TransformOptions options)
+      : samples_(seeds), options_(std::move(options)), nearest_(count(seeds.dims)) {}
 
   void run(std::span<float> distance, const Job& job) {
     find_patches(job);

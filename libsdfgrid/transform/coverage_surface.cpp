@@ -128,7 +128,7 @@ Heights patch_by_heights(const SignedSamples& samples, const glm::ivec3& at,
   normal[axis] = way / s[axis];
   normal[axis_u] = -*slope_u / s[axis_u];
   normal[axis_v] = -*slope_v / s[axis_v];
-  glm::dvec3 point = glm::dvec3(at);
+  glm::dvec3 point(at);
   point[axis] += way * (*h[1][1] - bend / 24);
   constexpr double kSharpest = 0.5;  // an edge is not a ball of less than two voxels
   const double curvature = mean_curvature(h, s[axis], s[axis_u], s[axis_v]);

@@ -104,6 +104,11 @@ class DenseFeature {
     if (before >= 0) std::fill(row + before, row + dims_.z, row[before]);
   }
 
+  // In a block of columns.
+  static std::size_t place(int row, int lane) {
+    return static_cast<std::size_t>(row) * kLanes + static_cast<std::size_t>(lane);
+  }
+
   // The first sample that is nearer to site b, at sample `kb`, than to site a before it.
   [[nodiscard]] int border(std::uint32_t a, std::uint32_t b, int ka, int kb) const {
     const double middle =
@@ -126,12 +131,12 @@ class DenseFeature {
       std::uint32_t* first = nearest_.data() + number({at.x, at.y, k});
       for (int row = 0; row < rows; ++row) {
         std::copy_n(first + static_cast<std::size_t>(row) * stride, lanes,
-                    block.data() + static_cast<std::size_t>(row * kLanes));
+                    block.data() + place(row, 0));
       }
       for (int lane = 0; lane < lanes; ++lane) {
         column.clear();
         for (int row = 0; row < rows; ++row) {
-          const std::uint32_t site = block[static_cast<std::size_t>(row * kLanes + lane)];
+          const std::uint32_t site = block[place(row, lane)];
           if (site == kNoFeature) continue;
           const glm::dvec3 point(sites_[site].point);
           const glm::dvec3 away = point - glm::dvec3(at.x, at.y, k + lane);
@@ -141,11 +146,11 @@ class DenseFeature {
         }
         if (column.empty()) continue;
         column.for_each(rows, [&](int row, std::uint32_t site) {
-          block[static_cast<std::size_t>(row * kLanes + lane)] = site;
+          block[place(row, lane)] = site;
         });
       }
       for (int row = 0; row < rows; ++row) {
-        std::copy_n(block.data() + static_cast<std::size_t>(row * kLanes), lanes,
+        std::copy_n(block.data() + place(row, 0), lanes,
                     first + static_cast<std::size_t>(row) * stride);
       }
     }

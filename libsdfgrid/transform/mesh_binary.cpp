@@ -85,7 +85,8 @@ class BrickSides {
 
  private:
   static std::size_t place(int x, int y, int z) {
-    return static_cast<std::size_t>(((x + 1) * 10 + y + 1) * 10 + z + 1);
+    const int number = ((x + 1) * 10 + y + 1) * 10 + z + 1;
+    return static_cast<std::size_t>(number);
   }
   Side& at(int x, int y, int z) { return sides_[place(x, y, z)]; }
   static Side side_of(const SeedSides& brick, int s) {
