@@ -145,9 +145,7 @@ class DenseFeature {
           column.add(point[kAxis], square, weight_[kAxis], site);
         }
         if (column.empty()) continue;
-        column.for_each(rows, [&](int row, std::uint32_t site) {
-          block[place(row, lane)] = site;
-        });
+        column.for_each(rows, [&](int row, std::uint32_t site) { block[place(row, lane)] = site; });
       }
       for (int row = 0; row < rows; ++row) {
         std::copy_n(block.data() + place(row, 0), lanes,
