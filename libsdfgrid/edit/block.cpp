@@ -9,7 +9,8 @@ namespace sdfgrid {
 void Block::fill(const GridBricks& bricks, const glm::ivec3& brick, int apron, double voxel) {
   apron_ = apron;
   edge_ = 8 + 2 * apron;
-  values_.resize(static_cast<std::size_t>(edge_) * edge_ * edge_);
+  constexpr std::size_t kBehind = 15;  // for kernels that read sixteen at a time
+  values_.resize(static_cast<std::size_t>(edge_) * edge_ * edge_ + kBehind);
   const auto scale = static_cast<float>(1 / voxel);
   const int around = (apron + 7) / 8;
   for (int bx = -around; bx <= around; ++bx) {

@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "sdfgrid/edit/nearest_kernel.h"
 #include "sdfgrid/grid/bricks.h"
 
 namespace sdfgrid {
@@ -26,6 +27,7 @@ class Block {
   [[nodiscard]] const float* row(int x, int y) const {  // of constant x and y; z from -apron on
     return values_.data() + static_cast<std::ptrdiff_t>((x + apron_) * edge_ + y + apron_) * edge_;
   }
+  [[nodiscard]] BlockSamples samples() const { return {values_.data(), edge_, apron_}; }
   [[nodiscard]] float at(int x, int y, int z) const { return row(x, y)[z + apron_]; }
   [[nodiscard]] float at(const glm::ivec3& p) const { return at(p.x, p.y, p.z); }
 

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <glm/geometric.hpp>
 #include <memory>
 
 #include "sdfgrid/core/parallel.h"
@@ -15,12 +14,13 @@ namespace sdfgrid {
 namespace {
 
 constexpr float kConsistent = 0.03F;  // voxels by which a kept value may be wrong
-constexpr float kOnSurface = 1e-3F;   // voxels
+// No point of a cell is further from the zeros on its edges than that, as a rule.
 constexpr float kBetweenZeros = 0.5F;
-constexpr int kNewtonSteps = 4;
 
-// Zeros of the field on the edges of the lattice, padded to a multiple of 16.
-struct SurfacePoints {
+constexpr float kNowhere = 1e9F;  // voxels
+
+// Padded to a multiple of 16.
+struct Points {
   std::vector<float> x, y, z;
 
   void clear() {
@@ -33,12 +33,12 @@ struct SurfacePoints {
     y.push_back(p.y);
     z.push_back(p.z);
   }
-  void pad() {
-    constexpr float kFar = 1e9F;
-    while (x.size() % 16 != 0) add(glm::vec3(kFar));
+  void pad(const glm::vec3& with) {
+    while (x.size() % 16 != 0) add(with);
   }
   [[nodiscard]] std::int32_t size() const { return static_cast<std::int32_t>(x.size()); }
   [[nodiscard]] glm::vec3 operator[](std::int32_t i) const { return {x[i], y[i], z[i]}; }
+  [[nodiscard]] Positions positions() const { return {x.data(), y.data(), z.data(), size()}; }
 };
 
 // One brick at a time; keeps its arrays from one to the next.
@@ -54,14 +54,11 @@ class Redistancer {
   bool run(const RedistanceTask& task, RedistancedBrick& out);
 
  private:
-  void read_signs();
   bool beside_surface(const glm::ivec3& p) const;
-  bool consistent(const glm::ivec3& p) const;
+  void find_wrong(const RedistanceTask& task);
   void find_surface();
   void add_crossings(int x, int y, const std::uint64_t mask, const glm::ivec3& step);
-  float improve(const glm::vec3& p, glm::vec3 c) const;
-  float distance(const glm::vec3& p) const;
-  std::uint64_t& signs(int x, int y) { return signs_[(x + apron_) * block_.edge() + y + apron_]; }
+  void measure();
   std::uint64_t signs(int x, int y) const {
     return signs_[(x + apron_) * block_.edge() + y + apron_];
   }
@@ -72,22 +69,14 @@ class Redistancer {
   int apron_;
   Block block_;
   std::vector<std::uint64_t> signs_;  // of each row, bit z + apron: negative
-  SurfacePoints surface_;
-  std::vector<glm::ivec3> wrong_;
+  Points surface_;                    // zeros of the field on the edges of the lattice
+  Points wrong_;                      // the samples to measure, not padded
+  std::vector<float> found_;          // and their distances, voxels
+  // What is improved: from samples to points of the surface, those of one sample side by side.
+  Points from_, to_;
+  std::vector<std::int32_t> of_;  // which sample of wrong_
+  std::vector<float> improved_;
 };
-
-void Redistancer::read_signs() {
-  const int edge = block_.edge();
-  signs_.resize(static_cast<std::size_t>(edge) * edge);
-  for (int x = -apron_; x < 8 + apron_; ++x) {
-    for (int y = -apron_; y < 8 + apron_; ++y) {
-      const float* row = block_.row(x, y);
-      std::uint64_t word = 0;
-      for (int z = 0; z < edge; ++z) word |= static_cast<std::uint64_t>(row[z] < 0) << z;
-      signs(x, y) = word;
-    }
-  }
-}
 
 // Whether a neighbour along an axis is on the other side.
 bool Redistancer::beside_surface(const glm::ivec3& p) const {
@@ -100,18 +89,25 @@ bool Redistancer::beside_surface(const glm::ivec3& p) const {
   return (other >> z & 1) != 0;
 }
 
-// Whether the surface is where the value says: there the field is zero, and half a voxel further on
-// it has the other sign.
-bool Redistancer::consistent(const glm::ivec3& p) const {
-  const glm::vec3 g = block_.gradient(p);
-  const float length = glm::length(g);
-  if (!(length > 0.5F)) return false;
-  const glm::vec3 normal = g / length;
-  const float value = block_.at(p);
-  const glm::vec3 foot = glm::vec3(p) - normal * value;
-  if (!(std::abs(block_.sample(foot).value) <= kConsistent)) return false;
-  const float side = value < 0 ? -0.5F : 0.5F;
-  return block_.sample(foot - normal * side).value * side < 0;
+// Those of the suspects whose value is not that of the surface.
+void Redistancer::find_wrong(const RedistanceTask& task) {
+  from_.clear();
+  wrong_.clear();
+  for (int x = 0; x < 8; ++x) {
+    for (std::uint64_t mask = task.suspect[x]; mask != 0; mask &= mask - 1) {
+      const int bit = std::countr_zero(mask);
+      const glm::ivec3 p(x, bit >> 3, bit & 7);
+      if (task.beside_surface || !beside_surface(p)) from_.add(glm::vec3(p));
+    }
+  }
+  const std::int32_t count = from_.size();
+  if (count == 0) return;
+  from_.pad(glm::vec3(0.0F));
+  std::uint16_t right[kBrickSamples / 16];
+  nearest_kernel().agree(block_.samples(), from_.positions(), kConsistent, right);
+  for (std::int32_t i = 0; i < count; ++i) {
+    if ((right[i / 16] >> i % 16 & 1) == 0) wrong_.add(from_[i]);
+  }
 }
 
 void Redistancer::add_crossings(int x, int y, std::uint64_t mask, const glm::ivec3& step) {
@@ -135,70 +131,57 @@ void Redistancer::find_surface() {
       if (x + 1 < end) add_crossings(x, y, row ^ signs(x + 1, y), {1, 0, 0});
     }
   }
-  surface_.pad();
+  surface_.pad(glm::vec3(kNowhere));
 }
 
-// The distance from p to a point of the surface near c that is nearer still, or to c.
-float Redistancer::improve(const glm::vec3& p, glm::vec3 c) const {
-  float best = glm::length(p - c);
-  for (int step = 0; step < kNewtonSteps; ++step) {
-    const FieldSample here = block_.sample(c);
-    const float squared = glm::dot(here.gradient, here.gradient);
-    if (!(squared > 0.01F)) break;
-    // The foot of p on the tangent plane at c, then back to the surface from there.
-    glm::vec3 foot = p - here.gradient * ((here.value + glm::dot(here.gradient, p - c)) / squared);
-    const glm::vec3 moved = foot - c;
-    const float length = glm::length(moved);
-    if (length > 1) foot = c + moved / length;
-    const FieldSample there = block_.sample(foot);
-    const float slope = glm::dot(there.gradient, there.gradient);
-    if (!(slope > 0.01F)) break;
-    c = foot - there.gradient * (there.value / slope);
-    if (std::abs(block_.sample(c).value) < kOnSurface) best = std::min(best, glm::length(p - c));
-    if (length < 0.01F) break;
+// The distances from the wrong samples to the surface.
+void Redistancer::measure() {
+  from_.clear();
+  to_.clear();
+  of_.clear();
+  found_.assign(std::size_t(wrong_.size()), kNowhere);
+  if (surface_.size() == 0) return;
+  for (std::int32_t i = 0; i < wrong_.size(); ++i) {
+    const glm::vec3 p = wrong_[i];
+    const float at[3] = {p.x, p.y, p.z};
+    NearPoints near;
+    nearest_kernel().nearest(surface_.x.data(), surface_.y.data(), surface_.z.data(),
+                             surface_.size(), at, near);
+    const float nearest = std::sqrt(near.squared[0]);
+    for (int n = 0; n < NearPoints::kMost; ++n) {
+      if (std::sqrt(near.squared[n]) > nearest + kBetweenZeros) break;
+      from_.add(p);
+      to_.add(surface_[near.index[n]]);
+      of_.push_back(i);
+    }
   }
-  return best;
-}
-
-// From p to the surface, voxels.
-float Redistancer::distance(const glm::vec3& p) const {
-  const float at[3] = {p.x, p.y, p.z};
-  NearPoints near;
-  nearest_kernel().nearest(surface_.x.data(), surface_.y.data(), surface_.z.data(), surface_.size(),
-                           at, near);
-  float best = std::sqrt(near.squared[0]);
-  for (int i = 0; i < NearPoints::kMost; ++i) {
-    // No point of a cell is further from the zeros on its edges than that, as a rule.
-    if (std::sqrt(near.squared[i]) > best + kBetweenZeros) break;
-    best = std::min(best, improve(p, surface_[near.index[i]]));
+  from_.pad(glm::vec3(0.0F));
+  to_.pad(glm::vec3(0.0F));
+  improved_.resize(std::size_t(from_.size()));
+  nearest_kernel().improve(block_.samples(), from_.positions(), to_.positions(), improved_.data());
+  for (std::size_t i = 0; i < of_.size(); ++i) {
+    float& found = found_[std::size_t(of_[i])];
+    found = std::min(found, improved_[i]);
   }
-  return best;
 }
 
 bool Redistancer::run(const RedistanceTask& task, RedistancedBrick& out) {
   const GridBrick now = bricks_.find(task.brick);
   if (now.values == nullptr) return false;
   block_.fill(bricks_, task.brick, apron_, voxel_);
-  read_signs();
-  wrong_.clear();
-  for (int x = 0; x < 8; ++x) {
-    for (std::uint64_t mask = task.suspect[x]; mask != 0; mask &= mask - 1) {
-      const int bit = std::countr_zero(mask);
-      const glm::ivec3 p(x, bit >> 3, bit & 7);
-      if (!task.beside_surface && beside_surface(p)) continue;
-      if (!consistent(p)) wrong_.push_back(p);
-    }
-  }
-  if (wrong_.empty()) return false;
+  signs_.resize(static_cast<std::size_t>(block_.edge()) * block_.edge());
+  nearest_kernel().signs(block_.samples(), signs_.data());
+  find_wrong(task);
+  if (wrong_.size() == 0) return false;
   find_surface();
+  measure();
   out.brick = task.brick;
   std::memcpy(out.values, now.values, sizeof out.values);
   std::memcpy(out.active, now.active, sizeof out.active);
-  for (const glm::ivec3& p : wrong_) {
-    const int i = (p.x * 8 + p.y) * 8 + p.z;
-    float& value = out.values[i];
-    const float reached = surface_.size() > 0 ? static_cast<float>(distance(p) * voxel_)
-                                              : limits_.outside - limits_.inside;
+  for (std::int32_t n = 0; n < wrong_.size(); ++n) {
+    const glm::ivec3 p(wrong_[n]);
+    const auto reached = static_cast<float>(found_[std::size_t(n)] * voxel_);
+    float& value = out.values[(p.x * 8 + p.y) * 8 + p.z];
     value = value < 0 ? std::max(-reached, limits_.inside) : std::min(reached, limits_.outside);
     const bool active = value > limits_.inside && value < limits_.outside;
     const std::uint64_t bit = std::uint64_t{1} << (p.y * 8 + p.z);

@@ -49,13 +49,13 @@ std::size_t Field::size() const { return program_->code.size(); }
 namespace {
 
 // The whole program at n points.
-void run_program(const Program& p, std::size_t n, const float* x, const float* y, const float* z,
-                 float* out) {
+void run_program(const FieldKernel& kernel, const Program& p, std::size_t n, const float* x,
+                 const float* y, const float* z, float* out) {
   std::vector<const Sampler*> samplers;
   for (const auto& s : p.pool->samplers) samplers.push_back(s.get());
   const BatchProgram program = {p.code.data(), static_cast<int>(p.code.size()),
                                 p.pool->constants.data(), samplers.data(), sample};
-  const auto run = field_kernel().run;
+  const auto run = kernel.run;
   float* memory = scratch(static_cast<std::size_t>(kBatch) * (p.values + 3 * p.points));
   std::size_t done = 0;
   for (; done + kLanes <= n;) {
@@ -80,8 +80,9 @@ void run_program(const Program& p, std::size_t n, const float* x, const float* y
 // what pruning leaves of the program around it.
 class GroupedEvaluation {
  public:
-  GroupedEvaluation(const float* x, const float* y, const float* z, float* out)
-      : p_{x, y, z}, out_(out) {}
+  GroupedEvaluation(const FieldKernel& kernel, const float* x, const float* y, const float* z,
+                    float* out)
+      : kernel_(kernel), p_{x, y, z}, out_(out) {}
 
   // Asks for what is left where there are at most `ask` points.
   void run(const Field& field, std::span<std::uint32_t> points, std::size_t ask = kAnyLength) {
@@ -118,10 +119,11 @@ class GroupedEvaluation {
     for (std::size_t k = 0; k < n; ++k) {
       for (int a = 0; a < 3; ++a) c[a * n + k] = p_[a][points[k]];
     }
-    run_program(field.program(), n, c, c + n, c + 2 * n, c + 3 * n);
+    run_program(kernel_, field.program(), n, c, c + n, c + 2 * n, c + 3 * n);
     for (std::size_t k = 0; k < n; ++k) out_[points[k]] = c[3 * n + k];
   }
 
+  const FieldKernel& kernel_;
   const float* p_[3];
   float* out_;
   std::vector<float> columns_;
@@ -131,15 +133,25 @@ class GroupedEvaluation {
 
 void Field::evaluate(std::size_t n, const float* x, const float* y, const float* z,
                      float* out) const {
-  if (program_->starts.empty() || n == 0) return run_program(*program_, n, x, y, z, out);
+  evaluate(field_kernel(), n, x, y, z, out);
+}
+
+void Field::evaluate_portably(std::size_t n, const float* x, const float* y, const float* z,
+                              float* out) const {
+  evaluate(baseline::kFieldKernel, n, x, y, z, out);
+}
+
+void Field::evaluate(const FieldKernel& kernel, std::size_t n, const float* x, const float* y,
+                     const float* z, float* out) const {
+  if (program_->starts.empty() || n == 0) return run_program(kernel, *program_, n, x, y, z, out);
   std::vector<std::uint32_t> points;
   points.reserve(n);
   for (std::size_t i = 0; i < n; ++i) {
     const bool finite = std::isfinite(x[i]) && std::isfinite(y[i]) && std::isfinite(z[i]);
     if (finite) points.push_back(static_cast<std::uint32_t>(i));
-    if (!finite) run_program(*program_, 1, x + i, y + i, z + i, out + i);
+    if (!finite) run_program(kernel, *program_, 1, x + i, y + i, z + i, out + i);
   }
-  if (!points.empty()) GroupedEvaluation(x, y, z, out).run(*this, points);
+  if (!points.empty()) GroupedEvaluation(kernel, x, y, z, out).run(*this, points);
 }
 
 float Field::operator()(const glm::vec3& p) const {

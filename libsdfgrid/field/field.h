@@ -80,6 +80,8 @@ class Sampler {
   [[nodiscard]] virtual Box bounds() const = 0;
 };
 
+struct FieldKernel;  // internal to field/
+
 class Field {
  public:
   // Empty space: 1e9 everywhere, farther than anything.
@@ -87,6 +89,10 @@ class Field {
 
   // Values at n points. The bits depend on the point alone, not on what stands beside it.
   void evaluate(std::size_t n, const float* x, const float* y, const float* z, float* out) const;
+  // The same on every x86 machine to the last bit, where evaluate() rounds differently with fused
+  // multiply-add: by the kernels of the oldest one, so several times slower.
+  void evaluate_portably(std::size_t n, const float* x, const float* y, const float* z,
+                         float* out) const;
   [[nodiscard]] float operator()(const glm::vec3& p) const;
 
   // In double precision, with the gradient by differentiating every op.
@@ -129,6 +135,8 @@ class Field {
   [[nodiscard]] const Program& program() const { return *program_; }
 
  private:
+  void evaluate(const FieldKernel& kernel, std::size_t n, const float* x, const float* y,
+                const float* z, float* out) const;
   std::shared_ptr<const Program> program_;
 };
 

@@ -244,5 +244,96 @@ TEST(NearestKernel, FindsTheFirstNearest) {
   }
 }
 
+// The field of a ball of radius 9, in a block with an apron of 4, seen from around it.
+struct BallBlock {
+  static constexpr int kEdge = 16;
+  static constexpr int kApron = 4;
+  static constexpr float kRadius = 9;
+  glm::vec3 middle{-3.2F, -1.7F, 1.4F};
+  std::vector<float> values = std::vector<float>(kEdge * kEdge * kEdge + 15);
+  std::vector<float> x, y, z;  // samples
+
+  BallBlock() {
+    for (int i = 0; i < kEdge * kEdge * kEdge; ++i) {
+      const glm::vec3 p(glm::ivec3(i / (kEdge * kEdge), i / kEdge % kEdge, i % kEdge) - kApron);
+      values[i] = glm::length(p - middle) - kRadius;
+    }
+    for (int i = 0; i < 512; ++i) {
+      x.push_back(static_cast<float>(sample(i).x));
+      y.push_back(static_cast<float>(sample(i).y));
+      z.push_back(static_cast<float>(sample(i).z));
+    }
+  }
+  [[nodiscard]] BlockSamples samples() const { return {values.data(), kEdge, kApron}; }
+  [[nodiscard]] Positions positions() const { return {x.data(), y.data(), z.data(), 512}; }
+  [[nodiscard]] float distance(int i) const {
+    return glm::length(glm::vec3(x[i], y[i], z[i]) - middle) - kRadius;
+  }
+};
+
+TEST(NearestKernel, SignsAreThoseOfTheRows) {
+  const BallBlock ball;
+  for (const auto& [name, kernel] : nearest_kernels()) {
+    std::vector<std::uint64_t> rows(BallBlock::kEdge * BallBlock::kEdge);
+    kernel->signs(ball.samples(), rows.data());
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      for (int z = 0; z < 64; ++z) {
+        const bool negative =
+            z < BallBlock::kEdge && ball.values[row * BallBlock::kEdge + std::size_t(z)] < 0;
+        ASSERT_EQ((rows[row] >> z & 1) != 0, negative) << name;
+      }
+    }
+  }
+}
+
+TEST(NearestKernel, AgreesWithDistancesAndNotWithBounds) {
+  for (const float factor : {1.0F, 0.8F}) {
+    BallBlock ball;
+    // Where 0.03 voxel does not tell them apart, or the surface is outside the block.
+    const auto counts = [&](int i) {
+      return std::abs(ball.distance(i)) > 0.5F && std::abs(ball.distance(i)) < 3;
+    };
+    std::vector<float> bounds = ball.values;
+    for (float& v : bounds) v = std::abs(v) > 0.4F ? v * factor : v;
+    const BlockSamples samples = {bounds.data(), BallBlock::kEdge, BallBlock::kApron};
+    std::vector<std::uint16_t> first;
+    for (const auto& [name, kernel] : nearest_kernels()) {
+      std::vector<std::uint16_t> bits(32);
+      kernel->agree(samples, ball.positions(), 0.03F, bits.data());
+      for (int i = 0; i < 512; ++i) {
+        if (!counts(i)) continue;
+        ASSERT_EQ((bits[i / 16] >> i % 16 & 1) != 0, factor == 1) << name << " " << i;
+      }
+      if (first.empty()) first = bits;
+      EXPECT_EQ(bits, first) << name;
+    }
+  }
+}
+
+TEST(NearestKernel, ImprovesToTheSurfaceWithTheSameBits) {
+  const BallBlock ball;
+  // From points of the ball turned a little away from the nearest one.
+  std::vector<float> to[3];
+  for (int i = 0; i < 512; ++i) {
+    const glm::vec3 out = glm::normalize(glm::vec3(ball.x[i], ball.y[i], ball.z[i]) - ball.middle);
+    const glm::vec3 turned = glm::normalize(out + glm::vec3(0.04F, -0.03F, 0.05F));
+    for (int a = 0; a < 3; ++a) {
+      to[a].push_back(ball.middle[a] + BallBlock::kRadius * turned[a]);
+    }
+  }
+  std::vector<float> first;
+  for (const auto& [name, kernel] : nearest_kernels()) {
+    std::vector<float> found(512);
+    kernel->improve(ball.samples(), ball.positions(),
+                    {to[0].data(), to[1].data(), to[2].data(), 512}, found.data());
+    for (int i = 0; i < 512; ++i) {
+      if (std::abs(ball.distance(i)) > 3) continue;
+      ASSERT_NEAR(found[i], std::abs(ball.distance(i)), 1 / (4 * BallBlock::kRadius)) << name;
+    }
+    if (first.empty()) first = found;
+    EXPECT_EQ(std::memcmp(found.data(), first.data(), sizeof(float) * 512), 0) << name;
+  }
+}
+
 }  // namespace
 }  // namespace sdfgrid

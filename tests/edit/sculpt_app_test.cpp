@@ -2,6 +2,9 @@
 // runs.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "app/process.h"
@@ -108,6 +111,35 @@ TEST_F(SculptApp, StampsAndPaintReachTheFile) {
   EXPECT_GT(info["bounds"][1][0], 1.1);  // the small cube on the corner
   const std::string picture = folder_.path("picture.exr");
   EXPECT_EQ(run({"render", out_, "-o", picture, "--size", "32x32", "--aov", "id"}).exit, 0);
+}
+
+// Brushes that are fields, blends, pressure, re-distancing: the same file from the kernels of the
+// oldest machine and from those of this one.
+TEST_F(SculptApp, GivesTheSameBytesOnEveryInstructionSet) {
+  const std::string strokes = folder_.write(
+      "many.yaml",
+      "sdfgrid-strokes: 1\n"
+      "strokes:\n"
+      "  - {op: difference, brush: {sphere: {radius: 0.2}}, path: [[0, 0, 1], [1, 0.9, 1, 0.5]]}\n"
+      "  - {op: union, brush: {torus: {major: 0.25, minor: 0.11}}, path: [[0.5, 0.5, 0.03]]}\n"
+      "  - {op: union, brush: {bend: {angle: 40, of: {box: {size: [0.3, 0.2, 0.5]}}}}, "
+      "path: [[0.1, 0.5, 0.6]], smooth: 0.06}\n"
+      "  - {op: difference, brush: {ellipsoid: {radii: [0.2, 0.1, 0.3]}}, path: [[0.8, 0.4, 0.9]], "
+      "mirror: [{x: 0.5}]}\n"
+      "  - {op: smooth, brush: {sphere: {radius: 0.3}}, path: [[0.1, 0.5, 0.6]]}\n");
+  const auto carve = [&](const std::string& name) {
+    const Outcome outcome =
+        run({"sculpt", grid_, "--strokes", strokes, "-o", folder_.path(name), "--quiet"});
+    EXPECT_EQ(outcome.exit, 0) << outcome.error;
+    std::ifstream file(folder_.path(name), std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string here = carve("here.vdb");
+  ASSERT_EQ(setenv("SDFGRID_ISA", "baseline", 1), 0);
+  const std::string oldest = carve("oldest.vdb");
+  ASSERT_EQ(unsetenv("SDFGRID_ISA"), 0);
+  EXPECT_GT(here.size(), 1000U);
+  EXPECT_TRUE(here == oldest);
 }
 
 }  // namespace

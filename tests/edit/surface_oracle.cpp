@@ -8,6 +8,13 @@
 namespace sdfgrid::test {
 namespace {
 
+long key_of(const glm::ivec3& c) {
+  return (static_cast<long>(c.x + 4096) << 32) | (static_cast<long>(c.y + 4096) << 16) |
+         (c.z + 4096);
+}
+
+constexpr double kCell = 4;  // voxels a side, of CarvedBalls
+
 double trilinear(const double (&c)[8], const glm::dvec3& t) {
   double sum = 0;
   for (int n = 0; n < 8; ++n) {
@@ -21,10 +28,7 @@ double trilinear(const double (&c)[8], const glm::dvec3& t) {
 
 }  // namespace
 
-long SurfaceOracle::key(const glm::ivec3& c) {
-  return (static_cast<long>(c.x + 4096) << 32) | (static_cast<long>(c.y + 4096) << 16) |
-         (c.z + 4096);
-}
+long SurfaceOracle::key(const glm::ivec3& c) { return key_of(c); }
 
 const SurfaceOracle::Cell* SurfaceOracle::cell(const glm::ivec3& at) const {
   const auto found = cells_.find(key(at));
@@ -110,6 +114,53 @@ SurfaceOracle::Nearest SurfaceOracle::nearest(const glm::dvec3& p, double reach)
     if (glm::dot(own->normal, c->normal) < 0.866) best.crease = true;
   }
   return best;
+}
+
+CarvedBalls::CarvedBalls(const std::vector<Ball>& balls) {
+  constexpr double kApart = 0.5;
+  constexpr double kPi = 3.14159265358979;
+  const double golden = kPi * (3 - std::sqrt(5.0));
+  const auto covers = [](const Ball& ball, const glm::dvec3& p) {
+    return glm::length(p - ball.middle) < ball.radius;
+  };
+  for (std::size_t b = 0; b < balls.size(); ++b) {
+    const Ball& ball = balls[b];
+    const int count = int(4 * kPi * ball.radius * ball.radius / (kApart * kApart));
+    for (int i = 0; i < count; ++i) {
+      const double z = 1 - (2 * i + 1) / double(count);
+      const double across = std::sqrt(1 - z * z);
+      const glm::dvec3 p = ball.middle + ball.radius * glm::dvec3(across * std::cos(i * golden),
+                                                                  across * std::sin(i * golden), z);
+      // No later ball may cover the point, and its own must have changed what was there.
+      const auto later = balls.begin() + long(b) + 1;
+      if (std::any_of(later, balls.end(), [&](const Ball& o) { return covers(o, p); })) continue;
+      const auto before = std::find_if(balls.rend() - long(b), balls.rend(),
+                                       [&](const Ball& o) { return covers(o, p); });
+      const bool was_inside = before != balls.rend() && before->added;
+      if (was_inside == ball.added) continue;
+      cells_[key_of(glm::ivec3(glm::floor(p / kCell)))].push_back({p, b});
+    }
+  }
+}
+
+bool CarvedBalls::crease(const glm::dvec3& p, double reach) const {
+  const glm::ivec3 lo(glm::floor((p - reach) / kCell));
+  const glm::ivec3 hi(glm::floor((p + reach) / kCell));
+  const Point* first = nullptr;
+  for (int x = lo.x; x <= hi.x; ++x) {
+    for (int y = lo.y; y <= hi.y; ++y) {
+      for (int z = lo.z; z <= hi.z; ++z) {
+        const auto found = cells_.find(key_of({x, y, z}));
+        if (found == cells_.end()) continue;
+        for (const Point& point : found->second) {
+          if (glm::length(point.at - p) > reach) continue;
+          if (first == nullptr) first = &point;
+          if (point.ball != first->ball) return true;
+        }
+      }
+    }
+  }
+  return false;
 }
 
 }  // namespace sdfgrid::test

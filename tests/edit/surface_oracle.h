@@ -38,4 +38,27 @@ class SurfaceOracle {
   std::unordered_map<long, Cell> cells_;
 };
 
+// The surface of balls that were added and taken away one after the other, in closed form: points
+// of it about half a voxel apart, each with the number of its ball. Shares nothing with the grid.
+class CarvedBalls {
+ public:
+  struct Ball {
+    glm::dvec3 middle;
+    double radius;
+    bool added;
+  };
+  explicit CarvedBalls(const std::vector<Ball>& balls);
+
+  // Whether the surfaces of two balls, both part of what is left, come within `reach` voxels of p:
+  // whatever the angle between them.
+  [[nodiscard]] bool crease(const glm::dvec3& p, double reach) const;
+
+ private:
+  struct Point {
+    glm::dvec3 at;
+    std::size_t ball;
+  };
+  std::unordered_map<long, std::vector<Point>> cells_;
+};
+
 }  // namespace sdfgrid::test
