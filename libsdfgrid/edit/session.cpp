@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <ranges>
 #include <sstream>
 
 #include "sdfgrid/core/error.h"
@@ -198,14 +199,13 @@ std::size_t Session::best_snapshot(const std::vector<std::size_t>& standing, Gri
         done.size() <= standing.size() && std::equal(done.begin(), done.end(), standing.begin());
     if (stands) usable.emplace_back(i + 1, done.size());
   }
-  for (auto it = usable.rbegin(); it != usable.rend(); ++it) {
+  for (const auto& [records, strokes] : usable | std::views::reverse) {
     try {
-      Grid found = read_grid(file(snapshot_name(it->first)));
-      if (found.metadata(kHashKey) != fmt::format("{:016x}", records_[it->first - 1].hash))
-        continue;
+      Grid found = read_grid(file(snapshot_name(records)));
+      if (found.metadata(kHashKey) != fmt::format("{:016x}", records_[records - 1].hash)) continue;
       found.remove_metadata(kHashKey);
       grid = found;
-      return it->second;
+      return strokes;
     } catch (const Error&) {
       // Unreadable: an older one, or the base, serves as well.
     }
@@ -220,6 +220,7 @@ void Session::replay(const Job& job) {
   for (std::size_t i = 1; i < records_.size(); ++i) follow(records_[i].text, i, standing, undone);
   const auto texts = [&](const std::vector<std::size_t>& of) {
     std::vector<std::string> all;
+    all.reserve(of.size());
     for (const std::size_t i : of) all.push_back(records_[i].text.substr(7));
     return all;
   };

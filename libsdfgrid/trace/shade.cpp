@@ -94,7 +94,7 @@ Surroundings make_surroundings(const Atlas& atlas, const Job& job) {
     throw Error(ErrorKind::failed,
                 fmt::format("{:.1f} million bricks are more than the 2.9 million that can be "
                             "shaded; use a coarser voxel",
-                            1e-6 * static_cast<double>(atlas.samples.size() / Atlas::kSamples)));
+                            1e-6 * static_cast<double>(atlas.samples.size()) / Atlas::kSamples));
   }
   Surroundings surroundings;
   surroundings.points = surface_points(atlas, job);
