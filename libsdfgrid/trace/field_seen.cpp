@@ -34,10 +34,12 @@ void SeenField::trace(std::span<const Ray> rays, std::span<float> depth) const {
 
 void SeenField::describe(std::span<const glm::dvec3> points, std::span<glm::vec3> normals,
                          std::span<Material> materials) const {
-  // Neighbours in a row are near each other: what is left of the program there is short.
-  constexpr std::size_t kGroup = 32;
-  for (std::size_t first = 0; first < points.size(); first += kGroup) {
-    const std::size_t end = std::min(first + kGroup, points.size());
+  // Neighbours in a row are near each other: what is left of the program there is short. Among
+  // many objects they need not be, and one point finds its own soon.
+  constexpr std::size_t kLong = 256;  // instructions
+  const std::size_t group = tracer_.field().size() > kLong ? 1 : 32;
+  for (std::size_t first = 0; first < points.size(); first += group) {
+    const std::size_t end = std::min(first + group, points.size());
     Box box;
     for (std::size_t i = first; i < end; ++i) box.add(points[i]);
     const glm::dvec3 slack(2e-6 * (glm::length(box.lo) + glm::length(box.hi) + 1e-3));
