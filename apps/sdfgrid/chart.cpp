@@ -246,7 +246,10 @@ void report_front(const std::vector<ChartPoint>& points, Context& context) {
 
 Exit run(const Options& options, const CLI::App& app, Context& context) {
   check_output(options.output);
-  check_options_for(app, {kind_of(options.input, options.surface.iso.has_value())});
+  std::vector<InputKind> kinds = {kind_of(options.input, options.surface.iso.has_value())};
+  // What is said of methods is for the scene's mesh.
+  if (kinds.front() == InputKind::scene) kinds.push_back(InputKind::mesh);
+  check_options_for(app, kinds);
   for (const Output& output : outputs(options)) check_output(output);
   Stopwatch watch;
   const Subject subject = load_subject(options, context);
