@@ -127,7 +127,10 @@ void expect_same(const Grid& a, const Grid& b, const Case& c) {
   EXPECT_EQ(wrong, 0) << c.kind;
   ASSERT_GT(differences.size(), 100U) << c.kind;
   std::sort(differences.begin(), differences.end());
-  EXPECT_LT(differences[differences.size() * 99 / 100], c.has_edges ? 0.87 : 0.1) << c.kind;
+  // A sliver between two samples may be there in the one and lost in the other.
+  EXPECT_LT(differences[differences.size() * 999 / 1000], 0.87) << c.kind;
+  if (c.has_edges) return;
+  EXPECT_LT(differences[differences.size() * 98 / 100], 0.1) << c.kind;
 }
 
 // The surface of a solid by marching cubes on a lattice twice as fine, converted anew.
