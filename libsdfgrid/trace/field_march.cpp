@@ -136,21 +136,23 @@ void FieldMarch::trace(const Field& field, double t1) {
   }
 }
 
-// How far the way is free from t on, ahead or back, where the field's value is `r`.
-double FieldMarch::free_way(const Ray& ray, double t, double r, double direction) const {
+// How far the way is free from t on, ahead or back, where the field's value is `r`: not beyond the
+// cell in which the slope holds, though the surface may be farther.
+FieldMarch::Free FieldMarch::free_way(const Ray& ray, double t, double r, double direction) const {
   const double reach = std::fabs(r);
-  if (rules_.bounds == nullptr) return reach;
+  if (rules_.bounds == nullptr) return {reach, reach};
   const glm::dvec3 p = ray.origin + t * ray.direction;
   const LocalBounds::Cell cell = rules_.bounds->at(p);
-  if (!(cell.slope < 1)) return reach;
+  if (!(cell.slope < 1)) return {reach, reach};
   const double leaves = clip({p, direction * ray.direction}, cell.box).to;
-  return std::max(reach, std::min(reach / cell.slope, leaves));
+  const double surface = reach / cell.slope;
+  return {std::max(reach, std::min(surface, leaves)), surface};
 }
 
 // Whether a relaxed step to s.next must be taken back: the way between is free if what both of its
 // ends know of it meets.
 bool FieldMarch::taken_back(State& s, double r) const {
-  if (r >= 0 && s.next - free_way(bundle_.rays[s.ray], s.next, r, -1) <= s.clear) return false;
+  if (r >= 0 && s.next - free_way(bundle_.rays[s.ray], s.next, r, -1).way <= s.clear) return false;
   s.next = s.clear;
   s.slope = -1;
   s.relaxed = false;
@@ -159,11 +161,12 @@ bool FieldMarch::taken_back(State& s, double r) const {
 
 // How far the way ahead of s.next is free. A convex function lies above the line through two of its
 // values, beyond them: infinite if that does not fall.
-double FieldMarch::ahead_of(const State& s, double r, double error) const {
-  const double ahead = free_way(bundle_.rays[s.ray], s.next, r, 1);
+FieldMarch::Free FieldMarch::ahead_of(const State& s, double r, double error) const {
+  const Free ahead = free_way(bundle_.rays[s.ray], s.next, r, 1);
   if (!rules_.convex || !s.known) return ahead;
   const double fall = (s.value - r + 2 * error) / (s.next - s.last);
-  return fall > 0 ? std::max(ahead, (r - error) / fall) : kInfinity;
+  const double above = fall > 0 ? (r - error) / fall : kInfinity;
+  return {std::max(ahead.way, above), std::max(ahead.surface, above)};
 }
 
 // Takes in that the field is `r` at s.next.
@@ -171,8 +174,9 @@ void FieldMarch::step(State& s, double r, double error, double t1) {
   ++s.steps;
   const double t = s.next;
   if (s.relaxed && t > s.clear && taken_back(s, r)) return;
-  const double ahead = std::max(ahead_of(s, r, error), 0.5 * error);
-  if (r < 0 || ahead < rules_.tolerance * t + error) {
+  const Free known = ahead_of(s, r, error);
+  const double ahead = std::max(known.way, 0.5 * error);
+  if (r < 0 || known.surface < rules_.tolerance * t + error) {
     double& depth = bundle_.depth[s.ray];
     depth = std::min(depth, r < 0 ? t : t + ahead);
     s.done = true;

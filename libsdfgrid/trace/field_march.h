@@ -68,13 +68,19 @@ class FieldMarch {
     double slope = -1;  // of the field along the ray, smoothed
   };
 
+  // What a value says of the way: how far it is free, and how far the surface is at least as long
+  // as the slope stays.
+  struct Free {
+    double way, surface;
+  };
+
   void march(const Field& field, double t0, double t1);
   void trace(const Field& field, double t1);
   void jump(double t1);
   void step(State& s, double r, double error, double t1);
   [[nodiscard]] bool taken_back(State& s, double r) const;
-  [[nodiscard]] double ahead_of(const State& s, double r, double error) const;
-  [[nodiscard]] double free_way(const Ray& ray, double t, double r, double direction) const;
+  [[nodiscard]] Free ahead_of(const State& s, double r, double error) const;
+  [[nodiscard]] Free free_way(const Ray& ray, double t, double r, double direction) const;
   [[nodiscard]] Box box_of(double t0, double t1) const;
 
   Bundle& bundle_;

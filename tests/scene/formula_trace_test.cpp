@@ -84,6 +84,7 @@ TEST(FormulaTrace, CertifiedHasNoHolesWhereFirstOrderHas) {
   EXPECT_GT(first.holes, 10);
   EXPECT_EQ(second.holes, 0);
   EXPECT_EQ(certified.holes, 0);
+  EXPECT_EQ(certified.beside, 0);
   EXPECT_GT(certified.hits, 1000);
 }
 
