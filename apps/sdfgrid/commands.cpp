@@ -16,8 +16,7 @@ constexpr Command kCommands[] = {
     {"sample", "IN -o OUT.npy", "take distances of a grid, a mesh or a scene at points",
      add_sample},
     {"shapes", "[NAME]", "list the shapes and operations of scene files", add_shapes},
-    {"chart", "IN -o OUT.svg", "chart time against error on your own input",
-     add_chart},
+    {"chart", "IN -o OUT.svg", "chart time against error on your own input", add_chart},
     {"sculpt", "GRID --strokes FILE -o OUT.vdb", "carve a grid by strokes, with sessions and undo",
      add_sculpt},
 };

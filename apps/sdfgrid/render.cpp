@@ -158,8 +158,10 @@ Content load_shown_scene(Options& options, Context& context) {
   convert.dim = options.dim > 0 ? options.dim : std::clamp(pixels / 3, 64, 512);
   const FieldConversion conversion =
       naming(options.input, [&] { return convert_field(field, convert, context.job()); });
-  Content content{make_atlas(steepened(conversion.grid), context.job()), nullptr,
-                  std::move(model.materials), {}};
+  Content content{make_atlas(steepened(conversion.grid), context.job()),
+                  nullptr,
+                  std::move(model.materials),
+                  {}};
   const Box box = field.bounds();
   const glm::dvec3 margin(1e-4 * glm::length(box.size()));
   content.scene = std::make_unique<FieldTracer>(field, Box{box.lo - margin, box.hi + margin});

@@ -45,6 +45,17 @@ double number_in(const std::filesystem::path& file, double otherwise) {
   return in >> number ? number : otherwise;
 }
 
+// What a control group of version 2 takes, less what of it is page cache that can be given back.
+double taken_by(const std::filesystem::path& group) {
+  double cache = 0;
+  std::ifstream stat(group / "memory.stat");
+  double bytes = 0;
+  for (std::string word; stat >> word >> bytes;) {
+    if (word == "active_file" || word == "inactive_file") cache += bytes;
+  }
+  return std::max(number_in(group / "memory.current", 0) - cache, 0.0);
+}
+
 // What the program's control groups (version 2) leave: its own and those around it.
 double group_memory() {
   std::ifstream groups("/proc/self/cgroup");
@@ -55,7 +66,7 @@ double group_memory() {
     std::filesystem::path group = (root / line.substr(4)).lexically_normal();
     for (; group.string().size() >= root.string().size(); group = group.parent_path()) {
       const double limit = number_in(group / "memory.max", kUnlimited);
-      least = std::min(least, limit - number_in(group / "memory.current", 0));
+      least = std::min(least, limit - taken_by(group));
     }
   }
   return std::max(least, 0.0);

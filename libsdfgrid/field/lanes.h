@@ -42,9 +42,9 @@ inline Lanes abs(Lanes a) { return abs(a.v); }
 inline Lanes square(Lanes a) { return a.v * a.v; }
 // Of what is below 0 by rounding, 0.
 #if defined(__AVX512F__)
-// Most ops wait for their square roots, and the machine's own takes four times as long as an estimate
-// of 14 bits and one step of Newton's method on the exact remainder, which is within 0.6 units in the
-// last place.
+// Most ops wait for their square roots, and the machine's own takes four times as long as an
+// estimate of 14 bits and one step of Newton's method on the exact remainder, which is within 0.6
+// units in the last place.
 inline Lanes sqrt(Lanes a) {
   const __mmask16 positive = _mm512_cmp_ps_mask((__m512)a.v, _mm512_setzero_ps(), _CMP_GT_OQ);
   const F16 r = (F16)_mm512_maskz_rsqrt14_ps(positive, (__m512)a.v);

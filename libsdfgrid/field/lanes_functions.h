@@ -93,7 +93,11 @@ inline Lanes pow(Lanes a, Lanes b) {
 // Of a picture of samples, see texture.h.
 template <class Texture>
 inline Lanes texel(const Texture& t, Lanes column, Lanes row) {
-  const I16 place = to_int(row.v) * t.width + to_int(column.v);
+  // As index_in(): max() gives its second operand where the first is NaN.
+  const auto within = [](F16 place, int size) {
+    return to_int(min(max(place, splat(0.0F)), splat(static_cast<float>(size - 1))));
+  };
+  const I16 place = within(row.v, t.height) * t.width + within(column.v, t.width);
   F16 r;
   for (int i = 0; i < kLanes; ++i) r[i] = t.values[place[i]];
   return r;

@@ -9,10 +9,10 @@ namespace sdfgrid {
 
 struct RegisteredOp {
   OpEntry entry;
-  std::uint32_t floats = 0;  // of the op's struct
-  bool list = false;         // has a list of numbers beside it
-  bool two = false;          // a combination of two nodes, no more
-  bool convex = false;       // combination and range: no steeper than the steepest operand
+  std::uint32_t floats = 0;   // of the op's struct
+  bool list = false;          // has a list of numbers beside it
+  bool two = false;           // a combination of two nodes, no more
+  bool convex = false;        // combination and range: no steeper than the steepest operand
   bool convex_solid = false;  // leaf: kConvexSolid
   // Makes the field where that takes more than numbers; null where it does not.
   Field (*make)(const std::vector<Argument>& arguments) = nullptr;

@@ -115,8 +115,11 @@ inline Text unit_ratio(const Text& part, const Text& whole) {
 }
 inline Text texel(const Texture& t, const Text& column, const Text& row) {
   const std::string array = TextSink::current()->array(t.values, t.width * t.height);
-  return text_of(array + "[int(" + row.name + ") * " + std::to_string(t.width) + " + int(" +
-                 column.name + ")]");
+  const auto index = [](const Text& place, int size) {
+    return "clamp(int(" + place.name + "), 0, " + std::to_string(size - 1) + ")";
+  };
+  return text_of(array + "[" + index(row, t.height) + " * " + std::to_string(t.width) + " + " +
+                 index(column, t.width) + "]");
 }
 
 }  // namespace sdfgrid::ops

@@ -14,16 +14,22 @@ struct Texture {
   float least, most;
 };
 
+// A place as an index, whatever it is: beyond 2^22 wrapped() may round it out of the picture.
+inline int index_in(double place, int size) {
+  return place > 0 ? (place < size ? static_cast<int>(place) : size - 1) : 0;  // NaN is 0
+}
+
 // The sample at a whole place within the picture. Kernels and text have their own.
 inline double texel(const Texture& t, const double& column, const double& row) {
-  return t.values[static_cast<int>(row) * t.width + static_cast<int>(column)];
+  return t.values[index_in(row, t.height) * t.width + index_in(column, t.width)];
 }
 template <class T, int N>
 Dual<T, N> texel(const Texture& t, const Dual<T, N>& column, const Dual<T, N>& row) {
   return Dual<T, N>(texel(t, column.v, row.v));
 }
 
-// A whole place within [0, size); exact below 2^22.
+// A whole place within [0, size); exact below kExactPlaces.
+inline constexpr double kExactPlaces = 0x1p22;
 template <class T>
 T wrapped(const T& place, int size) {
   const auto n = static_cast<float>(size);
@@ -63,7 +69,9 @@ inline Interval texture(const Texture& t, const Interval& u, const Interval& v) 
   double lo = t.least;
   double hi = t.most;
   constexpr double kFew = 1024;
-  if ((right - left) * (bottom - top) < kFew) {
+  const bool exact = std::fmax(std::fabs(left), std::fabs(right)) < kExactPlaces &&
+                     std::fmax(std::fabs(top), std::fabs(bottom)) < kExactPlaces;
+  if (exact && (right - left) * (bottom - top) < kFew) {
     lo = kInfinity;
     hi = -kInfinity;
     for (double row = top; row <= bottom; ++row) {

@@ -1,9 +1,6 @@
 #include "sdfgrid/grid/atlas.h"
 
 #include <fmt/format.h>
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
 
 #include <algorithm>
 #include <glm/common.hpp>
@@ -11,6 +8,7 @@
 #include <numeric>
 
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/core/memory.h"
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/grid/atlas_kernel.h"
 #include "sdfgrid/grid/atlas_tables.h"
@@ -33,14 +31,7 @@ glm::ivec3 brick_of(const openvdb::Coord& c) { return {c.x() >> 3, c.y() >> 3, c
 template <class T>
 void resize_in_large_pages(std::vector<T>& values, std::size_t size) {
   values.reserve(size + size / 8);  // edits add bricks; what is not used takes no memory
-#if defined(__linux__)
-  constexpr std::uintptr_t kLarge = std::uintptr_t{1} << 21;
-  const auto begin = (reinterpret_cast<std::uintptr_t>(values.data()) + kLarge - 1) & ~(kLarge - 1);
-  const auto end =
-      reinterpret_cast<std::uintptr_t>(values.data() + values.capacity()) & ~(kLarge - 1);
-  // Where the system refuses, the pages stay small.
-  if (begin < end) (void)madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-#endif
+  prefer_large_pages(values.data(), values.capacity() * sizeof(T));
   values.resize(size);
 }
 

@@ -49,7 +49,14 @@ class Search {
     for (const int dim : choice_dims()) {
       choice_.why_not = obstacle(dim);
       if (!choice_.why_not.empty()) break;
-      attempt(methods.front(), dim);
+      try {
+        attempt(methods.front(), dim);
+      } catch (const Error& error) {
+        // More memory than estimated: what was found before is kept.
+        if (error.kind() != ErrorKind::failed || choice_.trials.empty()) throw;
+        choice_.why_not = error.what();
+        break;
+      }
       choice_.within = within(choice_.trials.back());
       if (choice_.within) break;
     }
@@ -214,8 +221,8 @@ Choice choose_conversion(const Field& field, const FieldConvertOptions& convert,
     return error_between(grid, field, options.compare, job);
   };
   subject.bytes = [&](int) { return 2 * bytes; };
-  subject.allowed_bytes = convert.max_memory > 0 ? static_cast<double>(convert.max_memory)
-                                                 : 0.8 * available_memory();
+  subject.allowed_bytes =
+      convert.max_memory > 0 ? static_cast<double>(convert.max_memory) : 0.8 * available_memory();
   ConvertMethod method;
   method.name = "field";
   return Search(std::move(subject), options).run({method});

@@ -59,15 +59,12 @@ template <class Row>
 void for_each_row(const glm::ivec3& dims, const Job& job, const Row& row) {
   constexpr std::size_t kRowsPerTask = 8;
   const std::size_t rows = static_cast<std::size_t>(dims.y) * static_cast<std::size_t>(dims.z);
-  std::atomic<std::size_t> done{0};
-  parallel_for(rows, kRowsPerTask, job, [&](std::size_t begin, std::size_t end) {
+  parallel_for("dense", rows, kRowsPerTask, job, [&](std::size_t begin, std::size_t end) {
     for (std::size_t r = begin; r < end; ++r) {
       job.checkpoint();
       row(static_cast<int>(r % static_cast<std::size_t>(dims.y)),
           static_cast<int>(r / static_cast<std::size_t>(dims.y)));
     }
-    done += end - begin;
-    job.report("dense", static_cast<double>(done) / static_cast<double>(rows));
   });
 }
 
@@ -88,10 +85,10 @@ class ExactFiller {
   void fill(const glm::ivec3& first) {
     constexpr int kHalf = kBrickEdge / 2;
     constexpr std::size_t kMost = 8192;  // triangles; with more a sample alone is quicker
+    if (all_known(first)) return;
     const glm::dvec3 center = glm::dvec3(lo_ + first) + 0.5 * (kBrickEdge - 1);
     const double radius = kHalf * std::sqrt(3.0);
     const double middle = nearest_.distance(center, nearest_one_);
-    if (middle + radius < 0.99 * kSeedBand) return;
     triangles_.clear();
     nearest_.collect(center, middle + 2 * radius, triangles_);
     const bool many = triangles_.size() > kMost;
@@ -108,6 +105,17 @@ class ExactFiller {
   }
 
  private:
+  [[nodiscard]] bool all_known(const glm::ivec3& first) const {
+    const glm::ivec3 end = glm::min(first + kBrickEdge, volume_.dims);
+    for (int z = first.z; z < end.z; ++z) {
+      for (int y = first.y; y < end.y; ++y) {
+        for (int x = first.x; x < end.x; ++x) {
+          if (!(std::abs(values_[volume_.place({x, y, z})]) < known_)) return false;
+        }
+      }
+    }
+    return true;
+  }
   void find_nearest(const glm::dvec3& center) {
     const std::size_t count = triangles_.size();
     frames_.resize(count);

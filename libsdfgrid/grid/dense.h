@@ -17,8 +17,9 @@ namespace sdfgrid {
 [[nodiscard]] Volume to_volume(const Grid& grid, const glm::ivec3& lo, const glm::ivec3& hi);
 
 // A grid of distances with every sample of `distances` active. Beyond them it says `background`
-// (world units; the largest of the distances if 0), which every place there must be away. Throws Error{usage} if its samples
-// are not float, its spacings differ or its axes are turned: a Grid has cubic voxels only.
+// (world units; the largest of the distances if 0), which every place there must be away. Throws
+// Error{usage} if its samples are not float, its spacings differ or its axes are turned: a Grid has
+// cubic voxels only.
 [[nodiscard]] Grid to_grid(const Volume& distances, double background = 0);
 
 }  // namespace sdfgrid

@@ -8,8 +8,8 @@
 
 namespace sdfgrid {
 
-// Writes the bytes of an uncompressed .nvdb file. Values, active states and tiles are those of the grid; of its
-// metadata only name, class and transform have a place there.
+// Writes the bytes of an uncompressed .nvdb file. Values, active states and tiles are those of the
+// grid; of its metadata only name, class and transform have a place there.
 void write_nanovdb(const Grid& grid, std::ostream& out);
 
 }  // namespace sdfgrid

@@ -10,6 +10,7 @@
 
 #include "sdfgrid/core/atomic_file.h"
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/core/memory.h"
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/image/codec.h"
 
@@ -123,13 +124,22 @@ void write_image(const std::string& path, const Image& image) {
   write_bytes_atomically(path, std::as_bytes(std::span(bytes)));
 }
 
-Image read_image(const std::string& path, bool decode) {
+Image read_image(const std::string& path, bool decode, std::size_t most_pixels) {
   try {
     const auto input = picture_codec().open(path);
     const PictureSpec spec = input->spec();
     Image image{spec.width, spec.height, spec.channels, {}};
     const auto channels = static_cast<int>(spec.channels.size());
-    image.pixels.resize(static_cast<std::size_t>(spec.width) * spec.height * channels);
+    const std::size_t pixels = static_cast<std::size_t>(spec.width) * spec.height;
+    if (spec.depth > 1) throw PictureError("it is a volume, not a picture");
+    if (pixels > most_pixels) {
+      throw input_error(path, "",
+                        fmt::format("{} x {} pixels are too many", spec.width, spec.height),
+                        fmt::format("scale it down to {} pixels", most_pixels));
+    }
+    check_fits(static_cast<double>(pixels) * channels * sizeof(float), path + ": reading it",
+               "scale the picture down");
+    image.pixels.resize(pixels * channels);
     input->read(0, channels, PixelType::f32, image.pixels.data());
     if (decode && spec.srgb) decode_srgb(image);
     return image;

@@ -40,8 +40,11 @@ struct Image {
 void write_image(const std::string& path, const Image& image);
 
 // Reads any picture that OpenImageIO reads; files encoded in sRGB are decoded to linear light, or
-// left as they are stored (heights, say) unless `decode`. Throws Error{input}.
-[[nodiscard]] Image read_image(const std::string& path, bool decode = true);
+// left as they are stored (heights, say) unless `decode`. Throws Error{input} for what is no
+// picture or has more than `most_pixels`, before they are read, and Error{failed} if the memory
+// does not suffice.
+[[nodiscard]] Image read_image(const std::string& path, bool decode = true,
+                               std::size_t most_pixels = std::size_t{1} << 40);
 
 // The sRGB transfer function (IEC 61966-2-1): linear light in [0, 1] to code value in [0, 1], and
 // back.

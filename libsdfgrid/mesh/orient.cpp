@@ -129,8 +129,8 @@ std::vector<std::string> orient_mesh(TriangleSoup& soup, const MeshDiagnosis& di
   if (diagnosis.boundary_edges > 0) {
     warnings.push_back(
         fmt::format("the mesh is open ({} boundary edges): inside is where it winds around by more "
-                    "than half, and wide holes get a rough cap; an open sheet or terrain wants "
-                    "--sign unsigned",
+                    "than half, and wide holes get a rough cap; of an open sheet or terrain only "
+                    "unsigned distances make sense",
                     diagnosis.boundary_edges));
   }
   return warnings;

@@ -79,14 +79,9 @@ std::vector<glm::dvec3> read_points(const std::string& path, const Job& job) {
 }
 
 Heights read_heights(const std::string& path) {
-  const Image image = read_image(path, false);
+  const Image image = read_image(path, false, kMostHeights);
   const auto pixels =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-  if (pixels > kMostHeights) {
-    throw input_error(path, "",
-                      fmt::format("{} x {} pixels are too many", image.width, image.height),
-                      fmt::format("scale it down to {} pixels", kMostHeights));
-  }
   const std::size_t channels = image.channels.size();
   const std::size_t grey = channels < 3 ? 1 : 3;  // beyond them alpha and others
   Heights heights;

@@ -63,7 +63,7 @@ std::string visit_files(const Stamp& stamp, const Visit& visit) {
   Scene scene = read_scene(stamp.file).scene;
   rename_files(scene.nodes, fs::path(stamp.file).parent_path(), visit);
   const std::string text = scene_text(scene);
-  const std::string name = name_of(text, ".yaml");
+  const std::string name = name_of(text, "scene.yaml");
   visit(name, text);
   return name;
 }

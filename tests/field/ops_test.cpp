@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <random>
 
 #include "field/examples.h"
@@ -170,6 +171,33 @@ TEST(EveryOps, BoundsHoldTheInside) {
         for (int a = 0; a < 3; ++a) {
           ASSERT_GE(p.at(i)[a], box.lo[a] - 1e-5) << e.op->info->name << " level " << level;
           ASSERT_LE(p.at(i)[a], box.hi[a] + 1e-5) << e.op->info->name << " level " << level;
+        }
+      }
+    }
+  }
+}
+
+// Points that no scene means, but files of points hold: nothing is read out of bounds, no reading
+// goes on for ever, and what is finite stays so.
+TEST(Ops, TakePointsAtTheEndOfTheWorld) {
+  std::vector<Field> fields;
+  for (const Example& example : examples()) fields.push_back(example.field);
+  std::string samples = "0";
+  for (int i = 1; i < 1000; ++i) samples += i % 2 == 0 ? ", 0" : ", 1";
+  fields.push_back(
+      read_example("texture_displace: {width: 1000, size: [1, 1], amplitude: 0.1, samples: [" +
+                   samples + "], of: {box: {size: [2, 2, 2]}}}"));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float inf = std::numeric_limits<float>::infinity();
+  const std::vector<float> ends = {5726.999F, 11074.999F, 1e6F, -1e9F, 1e15F, nan, inf, -inf, 0};
+  for (const Field& field : fields) {
+    for (const float x : ends) {
+      for (const float y : ends) {
+        const float value = field(glm::vec3(x, y, 0.5F));
+        const bool near = std::fabs(x) < 1e7F && std::fabs(y) < 1e7F;
+        EXPECT_TRUE(!near || std::isfinite(value)) << x << ' ' << y;
+        if (std::isfinite(x) && std::isfinite(y)) {
+          (void)field.range(Box{{x, y, 0}, {x + 1.0, y + 1.0, 1}});
         }
       }
     }
