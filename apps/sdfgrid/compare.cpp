@@ -103,8 +103,10 @@ void report(const Comparison& comparison, Context& context) {
                 comparison.voxels.max_error, worst.x, worst.y, worst.z);
   if (!comparison.signs) context.print("one side has no signs: absolute values were compared");
   if (comparison.undecided_signs > 0) {
-    context.print("{} samples have no definite side, for the mesh is open: absolute values there",
-                  comparison.undecided_signs);
+    context.print(
+        "{} samples have no definite side, for the mesh is open or its triangles disagree: "
+        "absolute values there",
+        comparison.undecided_signs);
   }
   if (comparison.wrong_constants > 0) {
     context.print("{} inactive samples hold neither background", comparison.wrong_constants);

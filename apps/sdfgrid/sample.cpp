@@ -64,7 +64,7 @@ Sampled sampled_grid(const std::string& path, const Job& job) {
 Sampled sampled_mesh(const std::string& path, Context& context) {
   MeshFile mesh = read_mesh(path, context.job());
   for (const std::string& warning : mesh.warnings) context.warn(path + ": " + warning);
-  for (const std::string& warning : orient_mesh(mesh.soup, diagnose(mesh.soup))) {
+  for (const std::string& warning : orient_mesh(mesh.soup).warnings) {
     context.warn(path + ": " + warning);
   }
   const auto reference = std::make_shared<const ReferenceDistance>(mesh.soup);

@@ -134,7 +134,7 @@ Comparison compare(const Grid& grid, const TriangleSoup& mesh, const CompareOpti
   comparison.voxel = claims.voxel();
   comparison.signs = claims.is_signed();
   TriangleSoup turned = mesh;
-  if (comparison.signs) comparison.warnings = orient_mesh(turned, diagnose(turned));
+  if (comparison.signs) comparison.warnings = orient_mesh(turned).warnings;
   job.checkpoint();
   warn_of_tiles(comparison, claims);
   const ReferenceDistance reference(turned);

@@ -74,7 +74,7 @@ struct SurfaceTruth::Data {
 
 SurfaceTruth::SurfaceTruth(const TriangleSoup& mesh, const Job& job) {
   TriangleSoup turned = mesh;
-  (void)orient_mesh(turned, diagnose(turned));  // `convert` says what was turned
+  (void)orient_mesh(turned);  // `convert` says what was turned
   job.checkpoint();
   const TriangleSoup edges = edges_of(turned);
   auto data = std::make_shared<Data>(Data{ReferenceDistance(turned), std::nullopt});

@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <glm/geometric.hpp>
 #include <map>
+#include <span>
+#include <tuple>
 #include <utility>
 
 #include "sdfgrid/mesh/piercing.h"
@@ -100,7 +104,112 @@ void turn(TriangleSoup& soup) {
   for (glm::uvec3& t : soup.triangles) std::swap(t.y, t.z);
 }
 
+// Which neighbours each triangle has, and whether they face the other way.
+class Neighbours {
+ public:
+  explicit Neighbours(const TriangleSoup& soup) : links_(soup.triangles.size()) {
+    std::vector<Use> uses;
+    uses.reserve(3 * soup.triangles.size());
+    for (std::uint32_t t = 0; t < soup.triangles.size(); ++t) {
+      const glm::uvec3& v = soup.triangles[t];
+      if (v.x == v.y || v.y == v.z || v.z == v.x) continue;  // has no edges
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t from = v[k];
+        const std::uint32_t to = v[(k + 1) % 3];
+        uses.push_back({std::min(from, to), std::max(from, to), t, from < to});
+      }
+    }
+    std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) {
+      return std::tie(a.lo, a.hi, a.triangle) < std::tie(b.lo, b.hi, b.triangle);
+    });
+    for (std::size_t first = 0, last = 0; first < uses.size(); first = last) {
+      while (last < uses.size() && uses[last].lo == uses[first].lo &&
+             uses[last].hi == uses[first].hi) {
+        ++last;
+      }
+      if (last - first > 2) crowded_.push_back(uses[first].triangle);
+      if (last - first == 2) join(uses[first], uses[first + 1]);
+    }
+  }
+
+  struct Link {
+    std::uint32_t triangle;
+    bool against;  // it runs along the common edge in the same direction
+  };
+  [[nodiscard]] std::span<const Link> of(std::uint32_t t) const {
+    return {links_[t].link.data(), links_[t].count};
+  }
+  // A triangle at each edge of more than two.
+  [[nodiscard]] const std::vector<std::uint32_t>& crowded() const { return crowded_; }
+
+ private:
+  struct Use {
+    std::uint32_t lo, hi, triangle;
+    bool forward;
+  };
+  void join(const Use& a, const Use& b) {
+    const bool against = a.forward == b.forward;
+    links_[a.triangle].add({b.triangle, against});
+    links_[b.triangle].add({a.triangle, against});
+  }
+
+  struct Three {
+    std::array<Link, 3> link;
+    std::size_t count = 0;
+    void add(const Link& one) { link[count++] = one; }
+  };
+  std::vector<Three> links_;
+  std::vector<std::uint32_t> crowded_;
+};
+
+// The triangles that neighbours reach from `first`, and whether each must be turned for all to
+// agree with it; nothing if they cannot.
+struct Agreement {
+  std::vector<std::uint32_t> triangles;
+  std::size_t turned = 0;
+  bool possible = true;
+};
+
+Agreement agree_from(std::uint32_t first, const Neighbours& neighbours,
+                     std::vector<std::int8_t>& turned) {
+  Agreement part{{first}, 0, true};
+  turned[first] = 0;
+  for (std::size_t i = 0; i < part.triangles.size(); ++i) {
+    const std::uint32_t t = part.triangles[i];
+    for (const Neighbours::Link& link : neighbours.of(t)) {
+      const auto wanted = static_cast<std::int8_t>(turned[t] != (link.against ? 1 : 0) ? 1 : 0);
+      if (turned[link.triangle] < 0) {
+        turned[link.triangle] = wanted;
+        part.turned += static_cast<std::size_t>(wanted);
+        part.triangles.push_back(link.triangle);
+      }
+      part.possible = part.possible && turned[link.triangle] == wanted;
+    }
+  }
+  return part;
+}
+
 }  // namespace
+
+std::size_t agree_with_neighbours(TriangleSoup& soup, const MeshDiagnosis& diagnosis) {
+  const Neighbours neighbours(soup);
+  std::vector<bool> left_alone(diagnosis.components, false);
+  for (const std::uint32_t t : neighbours.crowded()) left_alone[diagnosis.component[t]] = true;
+  std::vector<std::int8_t> turned(soup.triangles.size(), -1);
+  std::size_t count = 0;
+  for (std::uint32_t first = 0; first < soup.triangles.size(); ++first) {
+    if (turned[first] >= 0 || left_alone[diagnosis.component[first]]) continue;
+    const Agreement part = agree_from(first, neighbours, turned);
+    if (!part.possible || part.turned == 0) continue;
+    const bool fewer = 2 * part.turned <= part.triangles.size();
+    for (const std::uint32_t t : part.triangles) {
+      if ((turned[t] == 1) != fewer) continue;
+      std::swap(soup.triangles[t].y, soup.triangles[t].z);
+      ++count;
+    }
+  }
+  return count;
+}
 
 std::vector<std::string> orient_closed_components(TriangleSoup& soup,
                                                   const MeshDiagnosis& diagnosis) {
@@ -118,10 +227,28 @@ std::vector<std::string> orient_closed_components(TriangleSoup& soup,
                   count, diagnosis.components)};
 }
 
-std::vector<std::string> orient_mesh(TriangleSoup& soup, const MeshDiagnosis& diagnosis) {
-  std::vector<std::string> warnings;
+Orientation orient_mesh(TriangleSoup& soup) {
+  Orientation result{diagnose(soup), {}};
+  MeshDiagnosis& diagnosis = result.diagnosis;
+  std::vector<std::string>& warnings = result.warnings;
+  if (!diagnosis.consistently_oriented()) {
+    const std::size_t turned = agree_with_neighbours(soup, diagnosis);
+    if (turned > 0) {
+      diagnosis = diagnose(soup);
+      warnings.push_back(
+          fmt::format("{} triangles faced against their neighbours and were turned", turned));
+    }
+    if (!diagnosis.consistently_oriented()) {
+      warnings.push_back(
+          fmt::format("{} edges have triangles that face opposite ways and cannot "
+                      "agree: inside is where the mesh winds around by more than "
+                      "half, which may be wrong beside them",
+                      diagnosis.flipped_neighbours));
+    }
+  }
   if (diagnosis.closed() && diagnosis.consistently_oriented()) {
-    warnings = orient_closed_components(soup, diagnosis);
+    const std::vector<std::string> more = orient_closed_components(soup, diagnosis);
+    warnings.insert(warnings.end(), more.begin(), more.end());
   } else if (facing(soup) < 0) {
     turn(soup);
     warnings.emplace_back("most of the mesh faces inward; it was turned inside out");
@@ -133,7 +260,7 @@ std::vector<std::string> orient_mesh(TriangleSoup& soup, const MeshDiagnosis& di
                     "unsigned distances make sense",
                     diagnosis.boundary_edges));
   }
-  return warnings;
+  return result;
 }
 
 }  // namespace sdfgrid

@@ -21,11 +21,21 @@ namespace sdfgrid {
 [[nodiscard]] std::vector<std::string> orient_closed_components(TriangleSoup& soup,
                                                                 const MeshDiagnosis& diagnosis);
 
-// Makes any mesh ready to be asked for inside and outside: closed ones as above, others turned
-// whole if most of them faces inward, as the volume under their triangles tells. Returns warnings
-// that say what was turned, and that an open mesh has no definite inside. All who give distances
-// signs do this first, so that they mean the same inside.
-[[nodiscard]] std::vector<std::string> orient_mesh(TriangleSoup& soup,
-                                                   const MeshDiagnosis& diagnosis);
+// Turns triangles that run along an edge in the same direction as their neighbour there, in each
+// component the fewer ones. Components with edges of more than two triangles, and those that cannot
+// agree (a Moebius strip), are left as they are. Returns how many triangles were turned.
+std::size_t agree_with_neighbours(TriangleSoup& soup, const MeshDiagnosis& diagnosis);
+
+struct Orientation {
+  MeshDiagnosis diagnosis;  // of the soup whose neighbours agree; its volume is from before turning
+  std::vector<std::string> warnings;
+};
+
+// Makes any mesh ready to be asked for inside and outside: neighbours agree where they can, closed
+// components face as above, other meshes are turned whole if most of them faces inward, as the
+// volume under their triangles tells. The warnings say what was turned, and that an open mesh has
+// no definite inside. All who give distances signs do this first, so that they mean the same
+// inside.
+[[nodiscard]] Orientation orient_mesh(TriangleSoup& soup);
 
 }  // namespace sdfgrid

@@ -84,7 +84,9 @@ SignedMesh prepare_sign(TriangleSoup soup, SignMethod method, const Job& job) {
     return mesh;
   }
   job.report("sign", 0.0);
-  const MeshDiagnosis diagnosis = diagnose(mesh.soup);
+  const Orientation orientation = orient_mesh(mesh.soup);
+  const MeshDiagnosis& diagnosis = orientation.diagnosis;
+  mesh.warnings = orientation.warnings;
   const std::string wrong = defects(diagnosis, flat_components(mesh.soup, diagnosis));
   if (method == SignMethod::normal && !wrong.empty()) {
     throw Error(ErrorKind::input, "the mesh has no inside that normals could tell (" + wrong +
@@ -97,7 +99,6 @@ SignedMesh prepare_sign(TriangleSoup soup, SignMethod method, const Job& job) {
     mesh.reason = "asked for";
   }
   job.checkpoint();
-  mesh.warnings = orient_mesh(mesh.soup, diagnosis);
   if (mesh.method == SignMethod::normal) {
     mesh.topology = std::make_shared<Topology>(mesh.soup);
   } else {

@@ -255,13 +255,29 @@ TEST(Sign, FlatClosedPartsHaveNoInside) {
 }
 
 TEST(Sign, AutomaticChoiceSaysWhatIsWrongWithTheMesh) {
-  TriangleSoup flipped_face = shapes::icosphere(2, 1.0);
-  std::swap(flipped_face.triangles[7].x, flipped_face.triangles[7].y);
-  const Conversion conversion = convert(flipped_face, 0.1);
+  const TriangleSoup holed = shapes::with_hole(shapes::icosphere(2, 1.0), 0, 3);
+  const Conversion conversion = convert(holed, 0.1);
   EXPECT_EQ(conversion.sign, SignMethod::winding);
-  EXPECT_NE(conversion.sign_reason.find("3 flipped neighbours"), std::string::npos)
+  EXPECT_NE(conversion.sign_reason.find("boundary edges"), std::string::npos)
       << conversion.sign_reason;
-  EXPECT_THROW((void)convert(flipped_face, 0.1, SignMethod::normal), Error);
+  EXPECT_THROW((void)convert(holed, 0.1, SignMethod::normal), Error);
+}
+
+// Every third face of a ball faces inward: the inside is the ball's all the same.
+TEST(Sign, FacesThatFaceAgainstTheirNeighboursAreTurned) {
+  TriangleSoup soup = shapes::icosphere(3, 1.0);
+  for (std::size_t t = 0; t < soup.triangles.size(); t += 3) {
+    std::swap(soup.triangles[t].x, soup.triangles[t].y);
+  }
+  const Conversion conversion = convert(soup, 0.1);
+  EXPECT_EQ(conversion.sign, SignMethod::normal) << conversion.sign_reason;
+  ASSERT_FALSE(conversion.warnings.empty());
+  EXPECT_NE(conversion.warnings.front().find("faced against their neighbours"), std::string::npos);
+  const ReferenceDistance reference(shapes::icosphere(3, 1.0));
+  const Signs signs =
+      count(conversion.grid, [&](const glm::dvec3& p) { return reference.signed_distance(p) < 0; });
+  EXPECT_EQ(signs.wrong, 0U);
+  EXPECT_GT(signs.inside, 500U);
 }
 
 }  // namespace

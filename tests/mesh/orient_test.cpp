@@ -164,6 +164,41 @@ TEST(Orient, ThousandsOfBubbles) {
   EXPECT_EQ(oriented(soup), expected);
 }
 
+TEST(Orient, NeighboursAgreeWithTheMostOfThem) {
+  TriangleSoup soup = joined(icosphere(2, 1.0), shapes::with_hole(icosphere(2, 3.0), 0, 4));
+  const TriangleSoup before = soup;
+  std::size_t turned = 0;
+  for (std::size_t t = 0; t < soup.triangles.size(); t += 5, ++turned) {
+    std::swap(soup.triangles[t].y, soup.triangles[t].z);
+  }
+  EXPECT_GT(diagnose(soup).flipped_neighbours, 0U);
+  EXPECT_EQ(agree_with_neighbours(soup, diagnose(soup)), turned);
+  EXPECT_EQ(diagnose(soup).flipped_neighbours, 0U);
+  EXPECT_EQ(soup.triangles, before.triangles);
+}
+
+// A strip with half a turn in it, and three sheets at one edge: no choice makes all agree.
+TEST(Orient, WhatCannotAgreeStaysAsItIs) {
+  TriangleSoup strip;
+  for (const float a : {0.0F, 1.0F, 2.0F, 3.0F, 4.0F}) {
+    strip.points.emplace_back(a, 0, 0);
+    strip.points.emplace_back(a, 1, a);
+  }
+  strip.triangles = {{0, 2, 1}, {1, 2, 3}, {2, 4, 3}, {3, 4, 5}, {4, 6, 5},
+                     {5, 6, 7}, {6, 8, 7}, {7, 8, 9}, {8, 1, 9}, {9, 1, 0}};
+  TriangleSoup fan;
+  fan.points = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0}};
+  fan.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
+  for (TriangleSoup soup : {strip, fan}) {
+    const TriangleSoup before = soup;
+    EXPECT_EQ(agree_with_neighbours(soup, diagnose(soup)), 0U);
+    EXPECT_EQ(soup.triangles, before.triangles);
+  }
+  EXPECT_GT(diagnose(strip).flipped_neighbours, 0U);
+  TriangleSoup asked = strip;
+  EXPECT_NE(orient_mesh(asked).warnings.front().find("cannot agree"), std::string::npos);
+}
+
 TEST(Orient, LeavesOtherMeshesAlone) {
   TriangleSoup open = flipped(icosphere(2, 1.0));
   open.triangles.pop_back();
