@@ -1,7 +1,9 @@
 // sdfgrid sculpt: strokes on a distance grid, at once or in a session that survives crashes.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -140,15 +142,16 @@ Exit sculpt_file(const Options& options, Context& context) {
   return Exit::done;
 }
 
-// How many strokes of the file the session begins with, if it began with this file and was
-// interrupted: --resume goes on behind them.
+// How many strokes --resume leaves out: the most that are the first of the file and the last that
+// stand in the session, whatever stands before them.
 std::size_t already_there(Session& session, const StrokeFile& file) {
-  const std::size_t count = session.strokes().size();
-  if (count > file.strokes.size()) return 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (session.strokes()[i] != session.recorded_text(file.strokes[i])) return 0;
-  }
-  return count;
+  const std::vector<std::string>& standing = session.strokes();
+  std::vector<std::string> first(std::min(standing.size(), file.strokes.size()));
+  std::transform(file.strokes.begin(), file.strokes.begin() + std::ssize(first), first.begin(),
+                 [&](const Stroke& stroke) { return session.recorded_text(stroke); });
+  std::ptrdiff_t count = std::ssize(first);
+  while (!std::equal(standing.end() - count, standing.end(), first.begin())) --count;
+  return static_cast<std::size_t>(count);
 }
 
 void print_log(const Session& session, Context& context) {
@@ -175,7 +178,11 @@ Exit run_session(const Options& options, Context& context) {
   if (options.undo > 0) context.result()["undone"] = session.undo(options.undo, context.job());
   if (options.redo > 0) context.result()["redone"] = session.redo(options.redo, context.job());
   const std::size_t first = options.resume ? already_there(session, file) : 0;
-  if (first > 0) context.print("{} strokes of {} are there already", first, options.strokes);
+  if (options.resume && !options.strokes.empty()) {
+    context.result()["left_out"] = first;
+    context.print("{} of {} strokes of {} left out: the session ends with them", first,
+                  file.strokes.size(), options.strokes);
+  }
   const Totals totals = apply_all(file, first, options.strokes, context, [&](const Stroke& stroke) {
     return session.apply(stroke, context.job());
   });
@@ -215,9 +222,13 @@ Run add_sculpt(CLI::App& app) {
   app.add_option("--session", options->session, "folder that keeps every stroke, made with GRID")
       ->type_name("DIR");
   app.add_flag("--resume", options->resume,
-               "open the session; strokes of the file that it has already are left out");
-  app.add_option("--undo", options->undo, "undo the last N strokes of the session")->type_name("N");
-  app.add_option("--redo", options->redo, "redo N of them")->type_name("N");
+               "open the session; the first strokes of the file are left out, as many as the "
+               "session ends with");
+  const CLI::Range count(1, std::numeric_limits<int>::max());
+  app.add_option("--undo", options->undo, "undo the last N strokes of the session")
+      ->type_name("N")
+      ->check(count);
+  app.add_option("--redo", options->redo, "redo N of them")->type_name("N")->check(count);
   app.add_flag("--log", options->log, "print what the session recorded");
   app.add_flag("--salvage", options->salvage,
                "go on from the last good record of a damaged journal");

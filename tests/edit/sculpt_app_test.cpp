@@ -69,6 +69,54 @@ TEST_F(SculptApp, UndoneStrokesLeaveTheGridThatWas) {
   EXPECT_EQ(run({"compare", out_, grid_, "--tolerance", "0.02", "--quiet"}).exit, 3);
 }
 
+TEST_F(SculptApp, UndoTakesCountsOfOneAndMore) {
+  const std::string session = folder_.path("session");
+  ASSERT_EQ(run({"sculpt", grid_, "--strokes", strokes_, "--session", session}).exit, 0);
+  for (const std::string option : {"--undo", "--redo"}) {
+    for (const char* wrong : {"-1", "0", "1.5", "two", "-18446744073709551615"}) {
+      const Outcome refused = run({"sculpt", "--session", session, option, wrong});
+      EXPECT_EQ(refused.exit, 2) << option << " " << wrong;
+      EXPECT_NE(refused.error.find(option), std::string::npos) << refused.error;
+    }
+  }
+  const Outcome log = run({"sculpt", "--session", session, "--log", "--json"});
+  EXPECT_EQ(json::parse(log.out)["standing"], 2) << log.error;
+}
+
+// Whatever stands before: of a second file, too, what was done before a crash is not done again.
+TEST_F(SculptApp, ResumeLeavesOutWhatTheSessionEndsWith) {
+  const std::string session = folder_.path("session");
+  const auto stroke = [](double x) {
+    return "  - {op: difference, brush: {sphere: {radius: 0.1}}, path: [[" + std::to_string(x) +
+           ", 0, 1]]}\n";
+  };
+  const auto write_strokes = [&](const std::vector<double>& places) {
+    std::string text = "sdfgrid-strokes: 1\nstrokes:\n";
+    for (const double x : places) text += stroke(x);
+    return folder_.write("more.yaml", text);
+  };
+  const auto resume = [&](const std::vector<double>& places) {
+    const Outcome outcome = run({"sculpt", "--session", session, "--resume", "--strokes",
+                                 write_strokes(places), "--json", "--quiet"});
+    EXPECT_EQ(outcome.exit, 0) << outcome.error;
+    return json::parse(outcome.out);
+  };
+  const auto expect = [](const json& result, int left_out, int done, int standing) {
+    EXPECT_EQ(result["left_out"], left_out);
+    EXPECT_EQ(result["strokes"], done);
+    EXPECT_EQ(result["standing"], standing);
+  };
+  ASSERT_EQ(run({"sculpt", grid_, "--strokes", strokes_, "--session", session}).exit, 0);
+  expect(resume({0.1, 0.2}), 0, 2, 4);             // none of the second file yet
+  expect(resume({0.1, 0.2}), 2, 0, 4);             // all of it
+  expect(resume({0.1, 0.2, 0.3}), 2, 1, 5);        // its beginning
+  expect(resume({0.2, 0.1}), 0, 2, 7);             // another order
+  expect(resume({0.1, 0.2, 0.1, 0.4}), 1, 3, 10);  // ... 0.2 0.1: only 0.1 is its first
+  expect(resume({0.4, 0.4, 0.5}), 1, 2, 12);       // a stroke that is there twice
+  ASSERT_EQ(run({"sculpt", "--session", session, "--undo", "1"}).exit, 0);
+  expect(resume({0.4, 0.4, 0.5}), 2, 1, 12);  // what was undone does not stand
+}
+
 // Of many strokes it says how far it is, and goes on upwards.
 TEST_F(SculptApp, ShowsProgressOverManyStrokes) {
   std::string text = "sdfgrid-strokes: 1\nstrokes:\n";
