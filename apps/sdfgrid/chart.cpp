@@ -194,32 +194,60 @@ void print_point(const ChartPoint& p, Context& context) {
                 1e-6 * p.peak_memory);
 }
 
+// Measures what can be measured; what cannot is left out with a warning.
+class Measurements {
+ public:
+  Measurements(const Options& options, const Subject& subject, Context& context)
+      : options_(options), context_(context), truth_(subject.soup, context.job()) {}
+
+  void add(const Candidate& candidate, int dim) {
+    if (refused_.contains(candidate.name)) return;
+    try {
+      points_.push_back(measure(candidate, dim, truth_, options_, context_.job()));
+      print_point(points_.back(), context_);
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::cancelled) throw;
+      // What was asked for is refused at any size, an input or a lack of memory at this one.
+      const bool every_dim = error.kind() == ErrorKind::usage;
+      if (every_dim) refused_.insert(candidate.name);
+      context_.warn(fmt::format("{}{} is left out: {}", candidate.name,
+                                every_dim ? "" : fmt::format(" at {} voxels", dim), error.what()));
+      last_failure_ = error;
+    }
+  }
+
+  [[nodiscard]] std::vector<ChartPoint> points() && {
+    if (points_.empty()) {
+      throw Error(last_failure_.kind(), fmt::format("{}: no method could be measured: {}",
+                                                    options_.input, last_failure_.what()));
+    }
+    mark_front(points_);
+    return std::move(points_);
+  }
+
+ private:
+  const Options& options_;
+  Context& context_;
+  SurfaceTruth truth_;
+  std::vector<ChartPoint> points_;
+  std::set<std::string> refused_;
+  Error last_failure_{ErrorKind::usage, "none was asked for"};
+};
+
 std::vector<ChartPoint> measure_all(const Options& options, const Subject& subject,
                                     Context& context) {
-  const SurfaceTruth truth(subject.soup, context.job());
+  Measurements measurements(options, subject, context);
   const std::vector<Candidate> all = candidates(options, subject);
   context.print("{:<12}{:>6}{:>10}{:>11}{:>11}{:>11}{:>11}{:>10}{:>10}", "method", "dim", "seconds",
                 "max/voxel", "p99", "rms", "at voxels", "MB", "peak MB");
-  std::vector<ChartPoint> points;
-  std::set<std::string> refused;
   double done = 0;
   for (const int dim : options.dims) {
     for (const Candidate& candidate : all) {
       context.job().report("chart", done++ / static_cast<double>(all.size() * options.dims.size()));
-      if (refused.contains(candidate.name)) continue;
-      try {
-        points.push_back(measure(candidate, dim, truth, options, context.job()));
-        print_point(points.back(), context);
-      } catch (const Error& error) {
-        if (error.kind() != ErrorKind::usage) throw;
-        context.warn(candidate.name + " is left out: " + error.what());
-        refused.insert(candidate.name);
-      }
+      measurements.add(candidate, dim);
     }
   }
-  if (points.empty()) throw Error(ErrorKind::usage, "no method could do what was asked");
-  mark_front(points);
-  return points;
+  return std::move(measurements).points();
 }
 
 void write_text(const std::string& path, const std::string& text) {
@@ -274,6 +302,11 @@ Exit run(const Options& options, const CLI::App& app, Context& context) {
   watch.lap("draw");
   result["seconds"] = watch.seconds();
   report_front(points, context);
+  std::string written;
+  for (const Output& output : outputs(options)) {
+    written += (written.empty() ? "" : ", ") + output.path;
+  }
+  context.print("written: {}", written);
   return Exit::done;
 }
 
@@ -284,6 +317,10 @@ Run add_chart(CLI::App& app) {
   app.add_option("IN", options->input, "mesh, scene, or volume (see --iso), to measure on")
       ->required();
   add_output(app, options->output, {".svg", ".png"});
+  app.get_option("--output")
+      ->description(
+          "file to write: .svg or .png; the other picture, the .csv and the .json are written "
+          "beside it");
   add_methods(app, options->methods, "which to measure", true);
   add_transform_choice(app, options->transform);
   app.add_option("--dims", options->dims, "voxels along the longest side, as in 64,128,256")

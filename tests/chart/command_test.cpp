@@ -77,6 +77,37 @@ TEST_F(Chart, KnowsEveryMethodOfConvert) {
   EXPECT_EQ(charted.size(), 12U) << "exact, nine transforms, two peers";
 }
 
+// A sheet has no inside: the exact method does it without a sign, the mask's transform has nothing.
+TEST_F(Chart, LeavesOutWhatCannotBeMeasured) {
+  const std::string sheet =
+      folder_.write("sheet.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n");
+  const auto chart = [&](const std::string& methods) {
+    return run({"chart", sheet, "-o", chart_, "--dims", "8,16", "--methods", methods, "--samples",
+                "200", "--repeat", "1", "--json"});
+  };
+  const Outcome nothing = chart("meijster");
+  EXPECT_EQ(nothing.exit, 4) << nothing.error;
+  EXPECT_NE(nothing.error.find("sheet.off"), std::string::npos) << nothing.error;
+  EXPECT_EQ(folder_.files(), (std::vector<std::string>{"cube.off", "sheet.off"}));
+  const Outcome made = chart("exact,meijster");
+  ASSERT_EQ(made.exit, 0) << made.error;
+  const json result = json::parse(made.out);
+  ASSERT_EQ(result["points"].size(), 2U);
+  for (const json& point : result["points"]) EXPECT_EQ(point["method"], "exact");
+  for (const char* text : {"meijster at 8 voxels", "meijster at 16 voxels", "no active voxels"}) {
+    EXPECT_NE(made.error.find(text), std::string::npos) << text << made.error;
+  }
+}
+
+TEST_F(Chart, SaysWhatItWrites) {
+  const Outcome made = run({"chart", cube_, "-o", chart_, "--dims", "8", "--methods", "exact",
+                            "--samples", "200", "--repeat", "1", "--quiet"});
+  ASSERT_EQ(made.exit, 0) << made.error;
+  for (const char* name : {"chart.svg", "chart.png", "chart.csv", "chart.json"}) {
+    EXPECT_NE(made.out.find(folder_.path(name)), std::string::npos) << made.out;
+  }
+}
+
 TEST_F(Chart, DoesScenes) {
   const std::string scene =
       folder_.write("scene.yaml", "sdfgrid: 1\nscene:\n  - sphere: {radius: 1}\n");
