@@ -87,9 +87,21 @@ SampleRange range_of(const Options& options, const Volume& volume, const Job& jo
   return {range.lo, range.hi == range.lo ? range.lo + 1 : range.hi};
 }
 
+// Voxels wholly on one side or the other do not tell where between them the surface is. A mask has
+// no coverages.
+void warn_of_no_grey(const std::string& input, const std::vector<float>& coverages,
+                     Context& context) {
+  const auto grey = [](float v) { return v > 0 && v < 1; };
+  if (std::any_of(coverages.begin(), coverages.end(), grey)) return;
+  context.warn(input +
+               ": no sample is grey, partly inside, so that antialiased has nothing to go "
+               "by; --method meijster is for masks");
+}
+
 // Samples of the volume are replaced by their distances.
 void transform_in_place(const Options& options, const TransformOptions& transform, Volume& volume,
-                        const Job& job) {
+                        Context& context) {
+  const Job& job = context.job();
   std::vector<std::uint8_t> mask;
   std::vector<float> values;
   const bool grey = transform.method == TransformMethod::antialiased && !options.label;
@@ -103,6 +115,9 @@ void transform_in_place(const Options& options, const TransformOptions& transfor
     mask = mask_of_label(volume, *options.label, job);
   } else {
     mask = mask_of_nonzero(volume, job);
+  }
+  if (transform.method == TransformMethod::antialiased) {
+    warn_of_no_grey(options.input, values, context);
   }
   volume.samples = std::vector<float>();
   DenseSeeds seeds;
@@ -122,19 +137,30 @@ void check_shape(const Options& options, const Volume& volume) {
                     "resample it; distances along oblique axes are not computed");
 }
 
-// Samples without any surface are infinitely far.
-void warn_of_infinity(const std::string& input, const Volume& volume, Context& context) {
+bool writes_grid(const Options& options) {
+  const auto& grids = grid_extensions();
+  return std::find(grids.begin(), grids.end(), extension_of(options.output.path)) != grids.end();
+}
+
+// Samples without any surface are infinitely far, which an array can hold; a grid's background, the
+// width of its band, cannot.
+void check_finite(const Options& options, const Volume& volume, Context& context) {
   const auto& distances = std::get<std::vector<float>>(volume.samples);
   if (std::isfinite(distances.front())) return;
-  context.warn(input + ": all samples are on one side, so that every distance is infinite");
+  const std::string problem =
+      "no surface is found between the samples, so that every distance is infinite";
+  if (writes_grid(options)) {
+    throw input_error(
+        options.input, "samples", problem,
+        "say what is inside (--label V, --iso V, --range LO,HI), or write an array: " +
+            one_of(volume_extensions()));
+  }
+  context.warn(options.input + ": " + problem);
 }
 
 void write(const Options& options, const Volume& volume, const Job& job) {
   const std::string& path = options.output.path;
-  const auto& grids = grid_extensions();
-  if (std::find(grids.begin(), grids.end(), extension_of(path)) == grids.end()) {
-    return write_volume(volume, path, job);
-  }
+  if (!writes_grid(options)) return write_volume(volume, path, job);
   job.report("write", 0.0);
   write_grid(to_grid(volume), path);
 }
@@ -146,9 +172,9 @@ Exit run(const Options& options, Context& context) {
   VolumeFile file = load_volume(options.input, options.volume, context);
   check_shape(options, file.volume);
   watch.lap("read");
-  transform_in_place(options, transform, file.volume, context.job());
+  transform_in_place(options, transform, file.volume, context);
   watch.lap("transform");
-  warn_of_infinity(options.input, file.volume, context);
+  check_finite(options, file.volume, context);
   context.job().checkpoint();
   write(options, file.volume, context.job());
   watch.lap("write");

@@ -36,13 +36,13 @@ std::string ball_nrrd(const std::string& geometry = "") {
   return bytes;
 }
 
-// Three labels in slabs along x: 0 for i < 4, 3 for i < 8, 5 beyond.
-std::string labels_npy() {
+// Three labels in slabs along x: `first` for i < 4, 3 for i < 8, 5 beyond.
+std::string labels_npy(int first = 0) {
   std::string header = "{'descr': '|u1', 'fortran_order': False, 'shape': (12, 6, 5), }";
   header.append(63 - (10 + header.size()) % 64, ' ');
   std::string bytes = std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(header.size() + 1) +
                       '\0' + header + '\n';
-  for (int i = 0; i < 12; ++i) bytes.append(30, static_cast<char>(i < 4 ? 0 : i < 8 ? 3 : 5));
+  for (int i = 0; i < 12; ++i) bytes.append(30, static_cast<char>(i < 4 ? first : i < 8 ? 3 : 5));
   return bytes;
 }
 
@@ -208,6 +208,43 @@ TEST_F(VolumeCommand, TransformWritesEveryKindAndRefusesWhatAGridCannotHold) {
   EXPECT_NE(flat.error.find(".nrrd"), std::string::npos) << flat.error;
   EXPECT_EQ(run({"transform", labels, "-o", folder_.path("b.npy"), "--method", "meister"}).exit, 2);
   EXPECT_EQ(run({"transform", labels, "-o", folder_.path("b.npy"), "--label", "9"}).exit, 0);
+}
+
+TEST_F(VolumeCommand, InfiniteDistancesAreForArrays) {
+  const std::string labels = folder_.write("labels.npy", labels_npy(/*first=*/1));
+  for (const std::vector<std::string>& one_side :
+       {std::vector<std::string>{}, {"--label", "9"}, {"--iso", "6"}, {"--method", "fmm2"}}) {
+    for (const char* name : {"a.vdb", "a.nvdb", "a.npy"}) {
+      std::vector<std::string> command = {"transform", labels, "-o", folder_.path(name), "--force"};
+      command.insert(command.end(), one_side.begin(), one_side.end());
+      const Outcome made = run(command);
+      const bool array = std::string(name) == "a.npy";
+      EXPECT_EQ(made.exit, array ? 0 : 4) << name;
+      for (const char* text : {"labels.npy", "infinite", array ? "warning" : ".nrrd"}) {
+        EXPECT_NE(made.error.find(text), std::string::npos) << made.error;
+      }
+      EXPECT_EQ(std::ifstream(folder_.path(name)).good(), array);
+    }
+  }
+  EXPECT_EQ(run({"transform", labels, "-o", grid_, "--window", "3"}).exit, 0) << "3 is finite";
+}
+
+TEST_F(VolumeCommand, AntialiasedWarnsOfMasks) {
+  const std::string labels = folder_.write("labels.npy", labels_npy());
+  const auto warnings = [&](const std::string& input, const std::vector<std::string>& more) {
+    std::vector<std::string> command = {
+        "transform", input,         "-o",      folder_.path("d.npy"),
+        "--method",  "antialiased", "--force", "--json"};
+    command.insert(command.end(), more.begin(), more.end());
+    const Outcome made = run(command);
+    EXPECT_EQ(made.exit, 0) << made.error;
+    return json::parse(made.out)["warnings"].dump();
+  };
+  EXPECT_EQ(warnings(ball_, {}), "[]");
+  for (const char* text : {"labels.npy", "grey", "meijster"}) {
+    EXPECT_NE(warnings(labels, {"--range", "0,3"}).find(text), std::string::npos) << text;
+    EXPECT_NE(warnings(labels, {"--label", "3"}).find(text), std::string::npos) << text;
+  }
 }
 
 TEST_F(VolumeCommand, MalformedVolumesAreRefused) {
