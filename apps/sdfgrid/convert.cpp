@@ -57,7 +57,8 @@ struct Made {
   std::string method;
   std::string sign;
   std::string sign_reason;
-  std::optional<double> max_error;  // world units; none is stated of a scene
+  std::optional<double> max_error;                  // world units; none is stated of a scene
+  std::optional<glm::dvec3> origin = std::nullopt;  // of sample (0, 0, 0), once written densely
 };
 
 // How large what was made is.
@@ -88,9 +89,14 @@ void describe(const Made& made, const Options& options, Context& context) {
   result["bricks"] = extent.bricks;
   result["bytes"] = extent.bytes;
   if (made.max_error) result["max_error"] = *made.max_error;
+  if (made.origin) result["origin"] = {made.origin->x, made.origin->y, made.origin->z};
   context.print("{}: {} x {} x {} samples, voxel {:.6g}, {} active in {} bricks, {:.1f} MB",
                 options.output.path, dims.x, dims.y, dims.z, extent.voxel, extent.active_voxels,
                 extent.bricks, 1e-6 * static_cast<double>(extent.bytes));
+  if (made.origin) {
+    context.print("sample 0 at {:.9g} {:.9g} {:.9g}", made.origin->x, made.origin->y,
+                  made.origin->z);
+  }
   context.print("method {}{}; sign {}: {}", made.method,
                 made.max_error
                     ? fmt::format(", error at most {:.1g} voxel", *made.max_error / extent.voxel)
@@ -155,19 +161,46 @@ void report_seconds(const Surface& surface, const Conversion& conversion, Json s
       conversion.seconds.voxelize, conversion.seconds.assemble, write_seconds);
 }
 
-// As a grid, or as all samples of a box: around the band, or the dense field's own.
+bool has_inside(const Made& made) {
+  if (!made.dense) return made.grid.has_inside();
+  const auto& samples = std::get<std::vector<float>>(made.dense->samples);
+  return std::any_of(samples.begin(), samples.end(), [](float d) { return d < 0; });
+}
+
+// A result that would surprise whoever opens it; `source` is "mesh", "surface" or "scene".
+void warn_of_nothing(const Made& made, const std::string& source, Context& context) {
+  if (!made.dense && made.grid.active_voxels() == 0) {
+    return context.warn("the grid is empty: no voxel is near the " + source +
+                        "; use a smaller --voxel");
+  }
+  if (made.sign == "unsigned" || has_inside(made)) return;
+  context.warn(
+      "the grid has no inside: the " + source +
+      " is thinner than its voxels; use a smaller --voxel, or for a sheet --sign unsigned");
+}
+
+// As all samples of a box: around the band, or the dense field's own.
+void save_densely(Made& made, const std::string& path, Context& context) {
+  const auto write = [&](const Volume& volume) {
+    made.origin = volume.origin;
+    write_volume(volume, path, context.job());
+  };
+  return made.dense ? write(*made.dense) : write(to_volume(made.grid));
+}
+
+// As a grid, or densely, as the output's name says.
 void save(Made& made, const Options& options, Context& context) {
   const std::string& path = options.output.path;
   context.job().report("write", 0.0);
   context.job().checkpoint();
-  if (names_dense(path)) {
-    return write_volume(made.dense ? *made.dense : to_volume(made.grid), path, context.job());
-  }
+  if (names_dense(path)) return save_densely(made, path, context);
   if (made.dense) {
     made.grid = to_grid(*made.dense, band_of(options).exwidth * made.dense->spacing.x);
     made.dense.reset();
   }
-  stamp(made, options.input);
+  if (kind_of(options.input, false) != InputKind::grid || options.surface.iso) {
+    stamp(made, options.input);
+  }
   write_grid(made.grid, path);
 }
 
@@ -205,6 +238,7 @@ Exit run_surface(const Options& options, Context& context) {
             conversion.sign_reason, std::nullopt};
   // The error of a transform depends on the mesh: docs/methods.md, and `compare`.
   if (options.method == "exact") made.max_error = stated_error(made, convert.band);
+  warn_of_nothing(made, surface.source == "mesh" ? "mesh" : "surface", context);
   save(made, options, context);
   watch.lap("write");
   describe(made, options, context);
@@ -234,6 +268,7 @@ Exit run_within(const Options& options, Context& context) {
             choice.chosen.method,   std::string(sign_name(conversion.sign)),
             conversion.sign_reason, std::nullopt};
   if (made.method == "exact") made.max_error = stated_error(made, convert.band);
+  warn_of_nothing(made, surface.source == "mesh" ? "mesh" : "surface", context);
   save(made, options, context);
   watch.lap("write");
   describe(made, options, context);
@@ -267,7 +302,7 @@ Exit run_scene(const Options& options, Context& context) {
             std::nullopt,
             "field",
             "field",
-            "values are the scene's own, never more than the distance",
+            "values are the scene's own: bounds on the distance, or estimates (docs/shapes.md)",
             std::nullopt};
   std::size_t evaluated = 0;
   bool within = true;
@@ -287,6 +322,7 @@ Exit run_scene(const Options& options, Context& context) {
     evaluated = conversion.evaluated;
   }
   watch.lap("voxelize");
+  warn_of_nothing(made, "scene", context);
   save(made, options, context);
   watch.lap("write");
   describe(made, options, context);
@@ -300,10 +336,37 @@ Exit run_scene(const Options& options, Context& context) {
   return within ? Exit::done : Exit::missed;
 }
 
+// A grid in another format, with the values that it has.
+Exit run_grid(const Options& options, Context& context) {
+  if (!options.tolerance.tolerance.empty()) {
+    throw Error(ErrorKind::usage, "--tolerance is for meshes, volumes or scenes, not for grids");
+  }
+  Stopwatch watch;
+  const Grid grid = read_distances(options.input, false);
+  watch.lap("read");
+  const auto known = [&](const char* key) {
+    const std::string word = grid.metadata(key);
+    return word.empty() ? "unknown" : word;
+  };
+  Made made{grid,
+            std::nullopt,
+            known("sdfgrid:method"),
+            known("sdfgrid:sign"),
+            "values are the grid's own",
+            std::nullopt};
+  save(made, options, context);
+  watch.lap("write");
+  describe(made, options, context);
+  context.result()["seconds"] = watch.seconds();
+  return Exit::done;
+}
+
 Exit run(const Options& options, const CLI::App& app, Context& context) {
   check_output(options.output);
-  check_options_for(app, {kind_of(options.input, options.surface.iso.has_value())});
-  if (names_scene(options.input)) return run_scene(options, context);
+  const InputKind kind = kind_of(options.input, options.surface.iso.has_value());
+  check_options_for(app, {kind});
+  if (kind == InputKind::scene) return run_scene(options, context);
+  if (kind == InputKind::grid) return run_grid(options, context);
   return options.tolerance.tolerance.empty() ? run_surface(options, context)
                                              : run_within(options, context);
 }
@@ -313,7 +376,8 @@ Exit run(const Options& options, const CLI::App& app, Context& context) {
 Run add_convert(CLI::App& app) {
   auto options = std::make_shared<Options>();
   app.add_option("IN", options->input,
-                 "mesh (.obj, .ply, .stl, .off, .om), volume (see --iso) or scene (.yaml, .json)")
+                 "mesh (.obj, .ply, .stl, .off, .om), volume (see --iso), scene (.yaml, .json) or "
+                 "grid (.vdb) to write in another format")
       ->required();
   std::vector<std::string> extensions = grid_extensions();
   extensions.insert(extensions.end(), volume_extensions().begin(), volume_extensions().end());

@@ -13,7 +13,6 @@
 #include "sdfgrid/grid/grid.h"
 #include "sdfgrid/grid/paint.h"
 #include "sdfgrid/mesh/diagnose.h"
-#include "sdfgrid/mesh/read.h"
 
 namespace sdfgrid::cli {
 namespace {
@@ -194,9 +193,7 @@ Exit run(const Options& options, const CLI::App& app, Context& context) {
     report_grid(read_grid(options.input), context);
     return Exit::done;
   }
-  const MeshFile file = read_mesh(options.input, context.job());
-  for (const std::string& warning : file.warnings) context.warn(warning);
-  report_mesh(file, context);
+  report_mesh(load_mesh(options.input, context), context);
   return Exit::done;
 }
 

@@ -39,6 +39,9 @@ struct OptionUse {
   std::vector<InputKind> kinds;  // that it has an effect on
 };
 
+// What a grid is made from; a grid itself has its voxels and band already.
+const std::vector<InputKind> kMade = {InputKind::mesh, InputKind::volume, InputKind::scene};
+
 // Whatever is not here has an effect on every input of the subcommands that take it.
 const std::vector<OptionUse> kOptionUses = {
     {"--iso", {InputKind::volume}},
@@ -52,7 +55,13 @@ const std::vector<OptionUse> kOptionUses = {
     {"--methods", {InputKind::mesh, InputKind::volume}},
     {"--bucket", {InputKind::mesh, InputKind::volume}},
     {"--mask", {InputKind::mesh, InputKind::volume}},
-    {"--dim", {InputKind::mesh, InputKind::volume, InputKind::scene}},
+    {"--dim", kMade},
+    {"--voxel", kMade},
+    {"--dense", kMade},
+    {"--width", kMade},
+    {"--exwidth", kMade},
+    {"--inwidth", kMade},
+    {"--max-memory", kMade},
 };
 
 std::string plural(InputKind kind) {
@@ -69,13 +78,24 @@ std::string plural(InputKind kind) {
   return "scenes";
 }
 
+// Samples at or above a value are inside of fog; of a level set they would be outside.
+VolumeFile read_fog(const std::string& path) {
+  const Grid grid = read_scalar_grid(path);
+  if (grid.is_level_set()) {
+    throw input_error(path, "", "it holds a level set, distances that are negative inside, no fog",
+                      "use it as the grid that it is, without --iso; `sdfgrid convert` makes a "
+                      "volume of it");
+  }
+  VolumeFile file;
+  file.format = "OpenVDB";
+  file.volume = to_volume(grid, 1);
+  return file;
+}
+
 VolumeFile read_any_volume(const std::string& path, const VolumeOptions& options,
                            Context& context) {
   if (extension_of(path) == ".vdb") {
-    VolumeFile file;
-    file.format = "OpenVDB";
-    file.volume = to_volume(read_scalar_grid(path), 1);
-    return file;
+    return read_fog(path);
   }
   if (is_stack_name(path)) return read_image_stack(path, context.job());
   std::optional<RawLayout> raw;
@@ -176,14 +196,31 @@ Grid read_distances(const std::string& path, bool sides) {
                     "set by `sdfgrid convert --iso`");
 }
 
+MeshFile load_mesh(const std::string& path, Context& context) {
+  const std::string extension = extension_of(path);
+  if (names_volume(path)) {
+    throw input_error(path, "name", "it is a volume, which is not taken here",
+                      "make a grid of it by `sdfgrid convert --iso V`, and give that");
+  }
+  if (extension == ".nvdb" || extension == ".vti") {
+    throw input_error(path, "name", fmt::format("{} files are written, but not read", extension),
+                      "give the .vdb or the .nrrd of the same");
+  }
+  if (extension == ".vdb") {
+    throw input_error(path, "name", "it is a grid, which is not taken here",
+                      "give the mesh or scene that it was made from");
+  }
+  MeshFile mesh = read_mesh(path, context.job());
+  for (const std::string& warning : mesh.warnings) context.warn(path + ": " + warning);
+  return mesh;
+}
+
 Surface load_surface(const std::string& path, const SurfaceOptions& options, Context& context) {
   const Job& job = context.job();
   Stopwatch watch;
   Surface surface;
   if (kind_of(path, options.iso.has_value()) != InputKind::volume) {
-    MeshFile mesh = read_mesh(path, job);
-    for (const std::string& warning : mesh.warnings) context.warn(path + ": " + warning);
-    surface.soup = std::move(mesh.soup);
+    surface.soup = load_mesh(path, context).soup;
     surface.source = "mesh";
     surface.read_seconds = watch.seconds()["total"];
     return surface;

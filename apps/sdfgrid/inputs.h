@@ -11,6 +11,7 @@
 
 #include "command.h"
 #include "sdfgrid/grid/grid.h"
+#include "sdfgrid/mesh/read.h"
 #include "sdfgrid/mesh/soup.h"
 #include "sdfgrid/volume/read.h"
 #include "sdfgrid/volume/volume.h"
@@ -69,6 +70,10 @@ void check_options_for(const CLI::App& app, const std::vector<InputKind>& inputs
 // Reads the distances of a .vdb. Throws Error{input} for what holds no distances, such as fog, and,
 // if `sides`, for distances without inside and outside.
 [[nodiscard]] Grid read_distances(const std::string& path, bool sides);
+
+// Reads a mesh; warnings go to the context. Throws Error{input}, which says what the path names
+// instead, for volumes, grids and what is only written.
+[[nodiscard]] MeshFile load_mesh(const std::string& path, Context& context);
 
 // Reads a mesh, or a volume and its surface at --iso. Throws Error{usage} for a volume without
 // --iso, naming the range of its samples.

@@ -14,7 +14,6 @@
 #include "sdfgrid/grid/atlas.h"
 #include "sdfgrid/mesh/diagnose.h"
 #include "sdfgrid/mesh/orient.h"
-#include "sdfgrid/mesh/read.h"
 #include "sdfgrid/mesh/reference.h"
 #include "sdfgrid/scene/files.h"
 #include "sdfgrid/trace/trace.h"
@@ -62,8 +61,7 @@ Sampled sampled_grid(const std::string& path, const Job& job) {
 
 // As `convert` and `compare` see it: turned where it is inside out.
 Sampled sampled_mesh(const std::string& path, Context& context) {
-  MeshFile mesh = read_mesh(path, context.job());
-  for (const std::string& warning : mesh.warnings) context.warn(path + ": " + warning);
+  MeshFile mesh = load_mesh(path, context);
   for (const std::string& warning : orient_mesh(mesh.soup).warnings) {
     context.warn(path + ": " + warning);
   }

@@ -1,5 +1,6 @@
 #include "sdfgrid/grid/grid.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sdfgrid/core/error.h"
@@ -67,6 +68,23 @@ Box Grid::bounds() const {
 
 float Grid::value(const glm::ivec3& index) const {
   return storage_->vdb->tree().getValue(openvdb::Coord(index.x, index.y, index.z));
+}
+
+bool Grid::has_inside() const {
+  const openvdb::FloatTree& tree = storage_->vdb->tree();
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+    const float* values = leaf->buffer().data();
+    if (std::any_of(values, values + openvdb::FloatTree::LeafNodeType::SIZE,
+                    [](float d) { return d < 0; })) {
+      return true;
+    }
+  }
+  auto tile = tree.cbeginValueAll();
+  tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) {
+    if (*tile < 0) return true;
+  }
+  return false;
 }
 
 std::string Grid::name() const { return storage_->vdb->getName(); }

@@ -39,6 +39,8 @@ class Grid {
   [[nodiscard]] Box bounds() const;
   // Value at an index point, world units, negative inside.
   [[nodiscard]] float value(const glm::ivec3& index) const;
+  // Whether any value is below 0.
+  [[nodiscard]] bool has_inside() const;
 
   [[nodiscard]] std::string name() const;
   // Metadata as text, by full name ("sdfgrid:method"); empty if absent.

@@ -111,6 +111,59 @@ TEST_F(VolumeCommand, EveryKindOfOutput) {
   EXPECT_LT(moved["max_error"].get<double>(), 0.1);
 }
 
+TEST_F(VolumeCommand, ALevelSetIsNoFogButAGridToWriteInAnotherFormat) {
+  const std::string npy = folder_.path("a.npy");
+  const Outcome made = run({"convert", ball_, "--iso", "100", "-o", grid_, "--json", "--quiet"});
+  ASSERT_EQ(made.exit, 0) << made.error;
+  EXPECT_FALSE(json::parse(made.out).contains("origin")) << "a grid states its own";
+  const Outcome fog = run({"convert", grid_, "--iso", "0", "-o", npy});
+  EXPECT_EQ(fog.exit, 4);
+  EXPECT_NE(fog.error.find("level set"), std::string::npos) << fog.error;
+  EXPECT_NE(fog.error.find("without --iso"), std::string::npos) << fog.error;
+  EXPECT_EQ(run({"convert", grid_, "-o", npy, "--dim", "9"}).exit, 2);
+
+  const Outcome dense = run({"convert", grid_, "-o", npy, "--json", "--quiet"});
+  ASSERT_EQ(dense.exit, 0) << dense.error;
+  const json info = json::parse(run({"info", npy, "--json", "--quiet"}).out);
+  EXPECT_EQ(info["dims"], json::parse(made.out)["dims"]);
+  const json grid = json::parse(run({"info", grid_, "--json", "--quiet"}).out);
+  EXPECT_EQ(json::parse(dense.out)["origin"], grid["bounds"][0]);
+  // The same samples as straight from the volume.
+  const std::string straight = folder_.path("b.npy");
+  ASSERT_EQ(run({"convert", ball_, "--iso", "100", "-o", straight}).exit, 0);
+  EXPECT_EQ(read_file(npy), read_file(straight));
+}
+
+TEST_F(VolumeCommand, WhatIsOnlyWrittenIsSaidToBe) {
+  for (const char* name : {"a.nvdb", "a.vti"}) {
+    const Outcome outcome = run({"info", folder_.write(name, "bytes")});
+    EXPECT_EQ(outcome.exit, 4) << name;
+    EXPECT_NE(outcome.error.find("written, but not read"), std::string::npos) << outcome.error;
+  }
+  const Outcome outcome = run({"sample", ball_, "-o", folder_.path("s.npy"), "--random", "9"});
+  EXPECT_EQ(outcome.exit, 4);
+  EXPECT_NE(outcome.error.find("volume"), std::string::npos) << outcome.error;
+}
+
+TEST_F(VolumeCommand, AMeshThinnerThanAVoxelIsAWarning) {
+  // A plate of 10 x 10 x 0.01 between the samples of voxel size 1.
+  const std::string plate = folder_.write(
+      "plate.off",
+      "OFF\n8 6 0\n0.5 0.5 0.5\n10.5 0.5 0.5\n10.5 10.5 0.5\n0.5 10.5 0.5\n0.5 0.5 0.51\n"
+      "10.5 0.5 0.51\n10.5 10.5 0.51\n0.5 10.5 0.51\n4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 4\n"
+      "4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n");
+  const auto warned = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"convert", plate, "-o", grid_, "--force"});
+    const Outcome outcome = run(more);
+    EXPECT_EQ(outcome.exit, 0) << outcome.error;
+    return outcome.error.find("no inside") != std::string::npos;
+  };
+  EXPECT_TRUE(warned({"--voxel", "1"}));
+  EXPECT_TRUE(warned({"--voxel", "1", "--dense"}));
+  EXPECT_FALSE(warned({"--voxel", "1", "--sign", "unsigned"}));
+  EXPECT_FALSE(warned({"--voxel", "0.101"})) << "5 * 0.101 is within the plate";
+}
+
 TEST_F(VolumeCommand, AVolumeNeedsIsoAndAMeshMayNotHaveIt) {
   const Outcome without = run({"convert", ball_, "-o", grid_});
   EXPECT_EQ(without.exit, 2);
