@@ -25,6 +25,7 @@
 #include "sdfgrid/trace/atlas_seen.h"
 #include "sdfgrid/trace/camera.h"
 #include "sdfgrid/trace/curvature.h"
+#include "sdfgrid/trace/far_field.h"
 #include "sdfgrid/trace/field_seen.h"
 #include "sdfgrid/trace/field_trace.h"
 #include "sdfgrid/trace/shade.h"
@@ -44,6 +45,7 @@ struct Options {
   View view;
   bool up_given = false;
   bool fov_given = false;
+  bool turned = false;  // --turn or --tilt is given
   double time = 0;
   std::vector<std::string> aovs;
   Look look;
@@ -96,11 +98,16 @@ void add_camera(CLI::App& app, Options& options) {
          "direction that is up: x, y, z, -x, -y, -z or three numbers")
       ->type_name("AXIS")
       ->default_str("y");
-  app.add_option("--turn", options.view.turn, "degrees to go round the content, to the right")
+  const auto turned = [&options](const std::string&) { options.turned = true; };
+  app.add_option("--turn", options.view.turn,
+                 "degrees to go round the content, to the right; frames it, whatever the camera of "
+                 "a scene")
+      ->each(turned)
       ->capture_default_str()
       ->check(finite_number())
       ->excludes(eye);
-  app.add_option("--tilt", options.view.tilt, "degrees to look from above")
+  app.add_option("--tilt", options.view.tilt, "degrees to look from above; as --turn")
+      ->each(turned)
       ->capture_default_str()
       ->check(CLI::Range(-90.0, 90.0) & finite_number())
       ->excludes(eye);
@@ -132,14 +139,16 @@ Grid load(const Options& options, Context& context) {
   return conversion.grid;
 }
 
-// A scene without end is shown within a box around what the camera looks at.
-Field with_end(const Field& field, const Options& options) {
+// A scene without end is shown within a box around what the camera, the scene's own if none is
+// given, looks at.
+Field with_end(const Field& field, const std::optional<glm::dvec3>& eye,
+               const std::optional<glm::dvec3>& looked_at) {
   const Box box = field.bounds();
   bool ends = true;
   for (int a = 0; a < 3; ++a) ends = ends && std::isfinite(box.lo[a]) && std::isfinite(box.hi[a]);
   if (ends) return field;
-  const glm::dvec3 target = options.target.value_or(glm::dvec3(0));
-  const double size = options.eye ? 4 * glm::distance(*options.eye, target) : 10;
+  const glm::dvec3 target = looked_at.value_or(glm::dvec3(0));
+  const double size = eye ? 4 * glm::distance(*eye, target) : 10;
   const Field room = make_field("translate", {{"by", {target.x, target.y, target.z}}},
                                 {make_field("box", {{"size", {size, size, size}}})});
   return make_field("intersection", {}, {field, room});
@@ -148,11 +157,15 @@ Field with_end(const Field& field, const Options& options) {
 // Takes the scene's camera where the command line says nothing, and makes its grid for the light.
 Content load_shown_scene(Options& options, Context& context) {
   SceneModel model = load_scene(options.input, options.time, context);
-  if (!options.eye) options.eye = model.camera.eye;
-  if (!options.target) options.target = model.camera.target;
+  const auto eye = options.eye ? options.eye : model.camera.eye;
+  const auto target = options.target ? options.target : model.camera.target;
+  if (!options.turned) {
+    options.eye = eye;
+    options.target = target;
+  }
   if (!options.up_given && model.camera.up) options.view.up = *model.camera.up;
   if (!options.fov_given && model.camera.fov) options.view.fov = *model.camera.fov;
-  const Field field = with_end(model.field, options);
+  const Field field = with_end(model.field, eye, target);
   FieldConvertOptions convert;
   const int pixels = std::max(options.width, options.height);
   convert.dim = options.dim > 0 ? options.dim : std::clamp(pixels / 3, 64, 512);
@@ -174,7 +187,7 @@ Content load_content(Options& options, Context& context) {
   return {make_atlas(grid, context.job()), nullptr, {}, grid};
 }
 
-// The surface's points in world units.
+// Points in world units, from what surface_points() and surface_corners() count in.
 std::vector<glm::dvec3> world_points(const Atlas& atlas, const std::vector<glm::vec3>& points) {
   std::vector<glm::dvec3> world(points.size());
   const glm::dvec3 base(atlas.lo * Atlas::kBrick);
@@ -327,7 +340,7 @@ Exit run(Options options, const CLI::App& app, Context& context) {
 
   const Surroundings surroundings = make_surroundings(atlas, job);
   Rendering r;
-  r.camera = choose_camera(options, world_points(atlas, surroundings.points));
+  r.camera = choose_camera(options, world_points(atlas, surface_corners(atlas, job)));
   watch.lap("shade");
   if (surroundings.points.empty()) {
     context.warn(options.input + " has no surface: the picture shows the background only");

@@ -65,6 +65,75 @@ void points_of_brick(const float* samples, const glm::vec3& corner, std::vector<
   }
 }
 
+// The box of the zeros on the edges of cells in a block of `edge` cells a side. It holds the zeros
+// within the cells, too: a plane across a cell holds some only if the edges that it cuts have both
+// signs there, as bilinear values lie between those at the corners; so the extreme planes go
+// through zeros of edges.
+bool box_of_block(const float* samples, const glm::ivec3& corner, int edge, glm::vec3& lo,
+                  glm::vec3& hi) {
+  constexpr int strides[3] = {Atlas::kEdge * Atlas::kEdge, Atlas::kEdge, 1};
+  lo = glm::vec3(std::numeric_limits<float>::max());
+  hi = -lo;
+  for (int n = 0; n < (edge + 1) * (edge + 1) * (edge + 1); ++n) {
+    const glm::ivec3 step(n / ((edge + 1) * (edge + 1)), n / (edge + 1) % (edge + 1),
+                          n % (edge + 1));
+    const glm::ivec3 at = corner + step;
+    const int here = at.x * strides[0] + at.y * strides[1] + at.z;
+    for (int a = 0; a < 3; ++a) {
+      if (step[a] == edge) continue;
+      const float from = samples[here];
+      const float to = samples[here + strides[a]];
+      if ((from < 0) == (to < 0)) continue;
+      glm::vec3 zero(at);
+      zero[a] += from / (from - to);
+      lo = glm::min(lo, zero);
+      hi = glm::max(hi, zero);
+    }
+  }
+  return lo.x <= hi.x;
+}
+
+void corners_of_brick(const float* samples, const glm::vec3& base, int edge,
+                      std::vector<glm::vec3>& out) {
+  glm::vec3 lo;
+  glm::vec3 hi;
+  for (int x = 0; x < Atlas::kBrick; x += edge) {
+    for (int y = 0; y < Atlas::kBrick; y += edge) {
+      for (int z = 0; z < Atlas::kBrick; z += edge) {
+        if (!box_of_block(samples, {x, y, z}, edge, lo, hi)) continue;
+        for (int n = 0; n < 8; ++n) {
+          const glm::bvec3 upper(n & 4, n & 2, n & 1);
+          out.push_back(base + glm::mix(lo, hi, upper));
+        }
+      }
+    }
+  }
+}
+
+// What `add` makes of each crossing brick (its samples and first one's place), in the bricks'
+// order.
+template <class Add>
+std::vector<glm::vec3> gather(const Atlas& atlas, const Job& job, const Add& add) {
+  std::vector<std::vector<glm::vec3>> planes(static_cast<std::size_t>(atlas.dims.x));
+  parallel_for("light", planes.size(), 1, job, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t x = begin; x < end; ++x) {
+      for (int y = 0; y < atlas.dims.y; ++y) {
+        for (int z = 0; z < atlas.dims.z; ++z) {
+          const glm::ivec3 slot(static_cast<int>(x), y, z);
+          const std::int32_t brick = atlas.crossing_brick(slot);
+          if (brick < 0) continue;
+          const float* samples =
+              atlas.samples.data() + static_cast<std::size_t>(brick) * Atlas::kSamples;
+          add(samples, glm::vec3(Atlas::kBrick * slot), planes[x]);
+        }
+      }
+    }
+  });
+  std::vector<glm::vec3> points;
+  for (const auto& plane : planes) points.insert(points.end(), plane.begin(), plane.end());
+  return points;
+}
+
 // Nearest points on the nodes of a far field, spread from node to node.
 class Spreader {
  public:
@@ -153,24 +222,17 @@ FarField layout(const std::vector<glm::vec3>& points, int nodes) {
 }  // namespace
 
 std::vector<glm::vec3> surface_points(const Atlas& atlas, const Job& job) {
-  std::vector<std::vector<glm::vec3>> planes(static_cast<std::size_t>(atlas.dims.x));
-  parallel_for("light", planes.size(), 1, job, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t x = begin; x < end; ++x) {
-      for (int y = 0; y < atlas.dims.y; ++y) {
-        for (int z = 0; z < atlas.dims.z; ++z) {
-          const glm::ivec3 slot(static_cast<int>(x), y, z);
-          const std::int32_t brick = atlas.crossing_brick(slot);
-          if (brick < 0) continue;
-          const float* samples =
-              atlas.samples.data() + static_cast<std::size_t>(brick) * Atlas::kSamples;
-          points_of_brick(samples, glm::vec3(Atlas::kBrick * slot), planes[x]);
-        }
-      }
-    }
-  });
-  std::vector<glm::vec3> points;
-  for (const auto& plane : planes) points.insert(points.end(), plane.begin(), plane.end());
-  return points;
+  return gather(atlas, job, points_of_brick);
+}
+
+std::vector<glm::vec3> surface_corners(const Atlas& atlas, const Job& job) {
+  const int longest = Atlas::kBrick * std::max({atlas.dims.x, atlas.dims.y, atlas.dims.z});
+  int edge = 1;
+  while (edge < Atlas::kBrick && 96 * edge < longest) edge *= 2;
+  return gather(atlas, job,
+                [edge](const float* samples, const glm::vec3& base, std::vector<glm::vec3>& out) {
+                  corners_of_brick(samples, base, edge, out);
+                });
 }
 
 FarField make_far_field(const Atlas& atlas, const std::vector<glm::vec3>& points, int nodes,

@@ -15,6 +15,11 @@ namespace sdfgrid {
 // crosses), in voxels from the first sample of the atlas's first slot (index 8 * atlas.lo).
 [[nodiscard]] std::vector<glm::vec3> surface_points(const Atlas& atlas, const Job& job);
 
+// Corners of boxes that together hold all of the surface, for cameras that must see all of it; in
+// the same units. A box is that of the surface in a block of 1 to 8 cells a side, the more the
+// finer the grid.
+[[nodiscard]] std::vector<glm::vec3> surface_corners(const Atlas& atlas, const Job& job);
+
 struct FarField {
   glm::vec3 origin{0.0F};     // of node (0, 0, 0), in voxels from index 8 * atlas.lo
   float spacing = 1;          // voxels between neighbouring nodes

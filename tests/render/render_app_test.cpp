@@ -149,6 +149,42 @@ TEST_F(RenderApp, ShowsAMesh) {
   EXPECT_NEAR(image.at(32, 32, channel(image, "normal.Z")), 1, 1e-3) << "the face towards +z";
 }
 
+TEST_F(RenderApp, FramesAllOfACoarseGrid) {
+  const std::string cube = folder_.write("cube.off", cube_off());
+  for (const char* dim : {"4", "9", "16", "32"}) {
+    for (const char* turn : {"30", "45", "200"}) {
+      const Outcome outcome = run({"render", cube, "-o", exr_, "--size", "64x64", "--dim", dim,
+                                   "--aov", "id", "--turn", turn, "--force"});
+      ASSERT_EQ(outcome.exit, 0) << outcome.error;
+      const Image image = read_image(exr_);
+      const int id = channel(image, "id.I");
+      for (int i = 0; i < 64; ++i) {
+        EXPECT_EQ(
+            image.at(i, 0, id) + image.at(i, 63, id) + image.at(0, i, id) + image.at(63, i, id), 0)
+            << dim << " " << turn << " " << i;
+      }
+    }
+  }
+}
+
+TEST_F(RenderApp, TurnFramesAScenesContentWhateverItsCamera) {
+  const std::string plain =
+      folder_.write("plain.yaml", "sdfgrid: 1\nscene: {box: {size: [1, 2, 3]}}\n");
+  const std::string seen = folder_.write("seen.yaml",
+                                         "sdfgrid: 1\nscene: {box: {size: [1, 2, 3]}}\ncamera: "
+                                         "{eye: [0, 9, 40], target: [0, 1, 0]}\n");
+  const auto picture = [&](const std::string& scene, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"render", scene, "-o", png_, "--size", "40x40", "--force"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.exit, 0) << outcome.error;
+    return bytes("a.png");
+  };
+  EXPECT_EQ(picture(seen, {"--turn", "70"}), picture(plain, {"--turn", "70"}));
+  EXPECT_EQ(picture(seen, {"--tilt", "70"}), picture(plain, {"--tilt", "70"}));
+  EXPECT_NE(picture(seen, {}), picture(plain, {}));
+}
+
 TEST_F(RenderApp, UpMayBeAnyAxis) {
   ASSERT_EQ(render({"-o", exr_, "--up", "z", "--aov", "normal", "--turn", "0", "--tilt", "0"}).exit,
             0);
