@@ -12,7 +12,6 @@
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/grid/atlas.h"
-#include "sdfgrid/mesh/diagnose.h"
 #include "sdfgrid/mesh/orient.h"
 #include "sdfgrid/mesh/reference.h"
 #include "sdfgrid/scene/files.h"
