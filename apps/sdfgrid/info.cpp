@@ -193,7 +193,9 @@ Exit run(const Options& options, const CLI::App& app, Context& context) {
     report_grid(read_grid(options.input), context);
     return Exit::done;
   }
-  report_mesh(load_mesh(options.input, context), context);
+  const MeshFile file = load_mesh(options.input, context.job());
+  for (const std::string& warning : file.warnings) context.warn(warning);
+  report_mesh(file, context);
   return Exit::done;
 }
 

@@ -196,7 +196,7 @@ Grid read_distances(const std::string& path, bool sides) {
                     "set by `sdfgrid convert --iso`");
 }
 
-MeshFile load_mesh(const std::string& path, Context& context) {
+MeshFile load_mesh(const std::string& path, const Job& job) {
   const std::string extension = extension_of(path);
   if (names_volume(path)) {
     throw input_error(path, "name", "it is a volume, which is not taken here",
@@ -210,9 +210,7 @@ MeshFile load_mesh(const std::string& path, Context& context) {
     throw input_error(path, "name", "it is a grid, which is not taken here",
                       "give the mesh or scene that it was made from");
   }
-  MeshFile mesh = read_mesh(path, context.job());
-  for (const std::string& warning : mesh.warnings) context.warn(path + ": " + warning);
-  return mesh;
+  return read_mesh(path, job);
 }
 
 Surface load_surface(const std::string& path, const SurfaceOptions& options, Context& context) {
@@ -220,7 +218,9 @@ Surface load_surface(const std::string& path, const SurfaceOptions& options, Con
   Stopwatch watch;
   Surface surface;
   if (kind_of(path, options.iso.has_value()) != InputKind::volume) {
-    surface.soup = load_mesh(path, context).soup;
+    MeshFile mesh = load_mesh(path, job);
+    for (const std::string& warning : mesh.warnings) context.warn(path + ": " + warning);
+    surface.soup = std::move(mesh.soup);
     surface.source = "mesh";
     surface.read_seconds = watch.seconds()["total"];
     return surface;

@@ -71,9 +71,9 @@ void check_options_for(const CLI::App& app, const std::vector<InputKind>& inputs
 // if `sides`, for distances without inside and outside.
 [[nodiscard]] Grid read_distances(const std::string& path, bool sides);
 
-// Reads a mesh; warnings go to the context. Throws Error{input}, which says what the path names
+// Reads a mesh. Throws Error{input}, which says what the path names
 // instead, for volumes, grids and what is only written.
-[[nodiscard]] MeshFile load_mesh(const std::string& path, Context& context);
+[[nodiscard]] MeshFile load_mesh(const std::string& path, const Job& job);
 
 // Reads a mesh, or a volume and its surface at --iso. Throws Error{usage} for a volume without
 // --iso, naming the range of its samples.

@@ -60,7 +60,8 @@ Sampled sampled_grid(const std::string& path, const Job& job) {
 
 // As `convert` and `compare` see it: turned where it is inside out.
 Sampled sampled_mesh(const std::string& path, Context& context) {
-  MeshFile mesh = load_mesh(path, context);
+  MeshFile mesh = load_mesh(path, context.job());
+  for (const std::string& warning : mesh.warnings) context.warn(path + ": " + warning);
   for (const std::string& warning : orient_mesh(mesh.soup).warnings) {
     context.warn(path + ": " + warning);
   }
