@@ -16,13 +16,20 @@ inline LanePoint load_point(const BatchStep& s, int i) {
   return {load(s.p[0] + i), load(s.p[1] + i), load(s.p[2] + i)};
 }
 
+// An op's parameters as it stores them; one without any has no bytes among the constants.
+template <class Op>
+Op op_of(const BatchStep& step) {
+  Op op;
+  if constexpr (!__is_empty(Op)) __builtin_memcpy(&op, step.constants, sizeof op);
+  return op;
+}
+
 // Copies, which no store can change: what they hold is loaded and spread over the lanes once.
 template <class Op>
 void apply(const BatchStep& step) {
   const BatchStep s = step;
   const float offset[3] = {s.offset[0], s.offset[1], s.offset[2]};
-  Op op;
-  __builtin_memcpy(&op, s.constants, sizeof op);
+  const Op op = op_of<Op>(s);
   for (int i = 0; i < s.n; i += kLanes) {
     const LanePoint p = load_point(s, i);
     if constexpr (ops::Leaf<Op>) {
@@ -43,8 +50,7 @@ void apply(const BatchStep& step) {
 template <class Op>
 void leave(const BatchStep& step) {
   const BatchStep s = step;
-  Op op;
-  __builtin_memcpy(&op, s.constants, sizeof op);
+  const Op op = op_of<Op>(s);
   for (int i = 0; i < s.n; i += kLanes) {
     store(s.out + i, op.value(Lanes(load(s.a + i)), load_point(s, i)).v);
   }

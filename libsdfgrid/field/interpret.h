@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstring>
+#include <type_traits>
 #include <vector>
 
 #include "sdfgrid/field/op_list.h"
@@ -22,7 +23,8 @@ struct OpFunctions {
 template <class Op>
 Op load_op(const float* constants) {
   Op op;
-  std::memcpy(static_cast<void*>(&op), constants, sizeof op);
+  // One without parameters has no bytes among the constants.
+  if constexpr (!std::is_empty_v<Op>) std::memcpy(static_cast<void*>(&op), constants, sizeof op);
   return op;
 }
 
