@@ -171,7 +171,7 @@ Content load_shown_scene(Options& options, Context& context) {
   convert.dim = options.dim > 0 ? options.dim : std::clamp(pixels / 3, 64, 512);
   const FieldConversion conversion =
       naming(options.input, [&] { return convert_field(field, convert, context.job()); });
-  Content content{make_atlas(steepened(conversion.grid), context.job()),
+  Content content{make_atlas(steepened(conversion.grid, context.job()), context.job()),
                   nullptr,
                   std::move(model.materials),
                   {}};

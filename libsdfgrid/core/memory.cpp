@@ -91,6 +91,21 @@ void check_fits(double bytes, const std::string& what, const std::string& remedy
                           1e-9 * bytes, 1e-9 * available, remedy));
 }
 
+double allowed_memory(std::size_t max_memory) {
+  constexpr double kShare = 0.8;
+  return max_memory > 0 ? static_cast<double>(max_memory) : kShare * available_memory();
+}
+
+void check_allowed(double bytes, std::size_t max_memory, const std::string& what,
+                   const std::string& remedy) {
+  const double allowed = allowed_memory(max_memory);
+  if (bytes <= allowed) return;
+  throw Error(ErrorKind::failed,
+              fmt::format("{} would take about {:.0f} MB, {:.0f} MB are allowed; {}, or a higher "
+                          "--max-memory",
+                          what, 1e-6 * bytes, 1e-6 * allowed, remedy));
+}
+
 void prefer_large_pages(void* begin, std::size_t bytes) {
 #ifdef MADV_HUGEPAGE
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));

@@ -15,6 +15,15 @@ namespace sdfgrid {
 // GB of memory, M GB are free; REMEDY".
 void check_fits(double bytes, const std::string& what, const std::string& remedy);
 
+// What work may take whose user may set a limit: `max_memory` bytes or, where that is 0, 80 % of
+// what is available, for estimates are rough and others want some too.
+[[nodiscard]] double allowed_memory(std::size_t max_memory);
+
+// Throws Error{failed} where the work would take more than its allowed_memory, before it starts:
+// "WHAT would take about N MB, M MB are allowed; REMEDY, or a higher --max-memory".
+void check_allowed(double bytes, std::size_t max_memory, const std::string& what,
+                   const std::string& remedy);
+
 // Asks the system for large pages in memory that was not written to yet: for work that jumps about
 // in it, as each small page is looked up by itself. Does nothing where there are none.
 void prefer_large_pages(void* begin, std::size_t bytes);

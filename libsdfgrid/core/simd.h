@@ -22,8 +22,8 @@ inline constexpr int kLanes = 16;
 
 #if defined(__AVX512F__)
 
-typedef float F16 __attribute__((vector_size(64)));         // sixteen floats
-typedef std::int32_t I16 __attribute__((vector_size(64)));  // sixteen ints; as a mask: 0 or -1
+using F16 = float __attribute__((vector_size(64)));         // sixteen floats
+using I16 = std::int32_t __attribute__((vector_size(64)));  // sixteen ints; as a mask: 0 or -1
 
 inline F16 splat(float v) { return F16{} + v; }
 inline I16 splat(std::int32_t v) { return I16{} + v; }
@@ -38,8 +38,8 @@ inline constexpr int kPartBytes = 32;
 inline constexpr int kPartBytes = 16;
 #endif
 inline constexpr int kParts = 64 / kPartBytes;
-typedef float FPart __attribute__((vector_size(kPartBytes)));
-typedef std::int32_t IPart __attribute__((vector_size(kPartBytes)));
+using FPart = float __attribute__((vector_size(kPartBytes)));
+using IPart = std::int32_t __attribute__((vector_size(kPartBytes)));
 
 template <class Part, class Scalar>
 struct alignas(64) Wide {
@@ -64,6 +64,7 @@ inline I16 splat(std::int32_t v) {
 }
 
 // The operators of a lane type, also with a number on either side.
+// NOLINTBEGIN(bugprone-macro-parentheses): types and operators take none
 #define SDFGRID_BINARY(W, Scalar, Result, op)                              \
   inline Result operator op(const W& a, const W& b) {                      \
     return by_part<Result>([&](int i) { return a.part[i] op b.part[i]; }); \
@@ -103,6 +104,7 @@ SDFGRID_BINARY(I16, std::int32_t, I16, ==)
 SDFGRID_BINARY(I16, std::int32_t, I16, !=)
 #undef SDFGRID_ARITHMETIC
 #undef SDFGRID_BINARY
+// NOLINTEND(bugprone-macro-parentheses)
 inline F16 operator-(const F16& a) {
   return by_part<F16>([&](int i) { return -a.part[i]; });
 }

@@ -197,7 +197,7 @@ Choice choose_conversion(const TriangleSoup& soup, const ConvertOptions& convert
   subject.bytes = [&](int dim) {
     return estimate_memory(soup, choose_lattice(soup, at_dim(dim)), at_dim(dim));
   };
-  subject.allowed_bytes = allowed_memory(convert);
+  subject.allowed_bytes = allowed_memory(convert.max_memory);
   return Search(std::move(subject), options).run(methods);
 }
 
@@ -221,8 +221,7 @@ Choice choose_conversion(const Field& field, const FieldConvertOptions& convert,
     return error_between(grid, field, options.compare, job);
   };
   subject.bytes = [&](int) { return 2 * bytes; };
-  subject.allowed_bytes =
-      convert.max_memory > 0 ? static_cast<double>(convert.max_memory) : 0.8 * available_memory();
+  subject.allowed_bytes = allowed_memory(convert.max_memory);
   ConvertMethod method;
   method.name = "field";
   return Search(std::move(subject), options).run({method});

@@ -51,16 +51,13 @@ std::vector<SampleError> measure(const Kind& kind, const Draw& draw, const MakeT
                                  std::atomic<std::size_t>& undecided, const Job& job) {
   constexpr std::size_t kRun = 512;
   std::vector<SampleError> errors(kind.count);
-  std::atomic<std::size_t> done{0};
-  parallel_for(kind.count, kRun, job, [&](std::size_t begin, std::size_t end) {
+  parallel_for(kind.name, kind.count, kRun, job, [&](std::size_t begin, std::size_t end) {
     auto truth = make_truth();
     for (std::size_t i = begin; i < end; ++i) {
       const std::optional<Claim> claim = draw(i);
       if (claim) errors[i] = judge(*claim, truth.at(claim->world, kind.doubt));
     }
     undecided += truth.undecided();
-    job.report(kind.name,
-               static_cast<double>(done += end - begin) / static_cast<double>(kind.count));
   });
   return errors;
 }

@@ -142,16 +142,6 @@ void fill_interior(openvdb::FloatGrid& grid, float in_background, const SignedMe
   }
 }
 
-void check_memory(const TriangleSoup& soup, const Lattice& lattice, const ConvertOptions& options) {
-  const double estimate = estimate_memory(soup, lattice, options);
-  const double allowed = allowed_memory(options);
-  if (estimate <= allowed) return;
-  throw Error(ErrorKind::failed,
-              fmt::format("the conversion would take about {:.0f} MB, {:.0f} MB are allowed; use a "
-                          "larger voxel, a narrower band, or a higher --max-memory",
-                          1e-6 * estimate, 1e-6 * allowed));
-}
-
 // Values, seeds and queues beside the leaves that are made of them: what tests/convert/memory_test
 // measures at its peak, and an eighth more.
 double transform_bytes_per_sample(TransformMethod method) {
@@ -185,29 +175,24 @@ double convert_error(const Band& band) {
 }
 
 Lattice choose_lattice(const TriangleSoup& soup, const ConvertOptions& options) {
+  const glm::dvec3 size = bounds(soup).size();
+  const double longest = std::max({size.x, size.y, size.z});
   Lattice lattice;
   lattice.voxel = options.voxel;
   if (lattice.voxel == 0) {
     if (options.dim < 1) throw Error(ErrorKind::usage, "--dim must be at least 1");
-    const glm::dvec3 size = bounds(soup).size();
-    lattice.voxel = std::max(size.x, std::max(size.y, size.z)) / options.dim;
+    lattice.voxel = longest / options.dim;
   }
   if (!(std::isfinite(lattice.voxel) && lattice.voxel > 1e-30)) {
     throw Error(ErrorKind::usage,
                 "the voxel size must be a positive number; a mesh without extent "
                 "needs --voxel");
   }
-  const glm::dvec3 size = bounds(soup).size() / lattice.voxel;
-  if (!(std::max({size.x, size.y, size.z}) < kMostVoxels)) {
+  if (!(longest / lattice.voxel < kMostVoxels)) {
     throw Error(ErrorKind::usage, "the voxel size is too small for the mesh; use a larger one");
   }
   lattice.origin = lattice.voxel * glm::round(soup.origin / lattice.voxel);
   return lattice;
-}
-
-double allowed_memory(const ConvertOptions& options) {
-  return options.max_memory > 0 ? static_cast<double>(options.max_memory)
-                                : 0.8 * available_memory();
 }
 
 double estimate_memory(const TriangleSoup& soup, const Lattice& lattice,
@@ -241,7 +226,8 @@ Conversion convert_mesh(const TriangleSoup& soup, const ConvertOptions& options,
     throw Error(ErrorKind::usage, "a band must be at least 1 voxel wide");
   }
   const Lattice lattice = choose_lattice(soup, options);
-  check_memory(soup, lattice, options);
+  check_allowed(estimate_memory(soup, lattice, options), options.max_memory, "the conversion",
+                "use a larger voxel, a narrower band");
   Stopwatch watch;
   Conversion result;
   SignedMesh mesh = prepare_sign(soup, options.sign, job);

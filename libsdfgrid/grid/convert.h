@@ -49,10 +49,9 @@ struct Conversion {
 // sense.
 [[nodiscard]] Lattice choose_lattice(const TriangleSoup& soup, const ConvertOptions& options);
 
-// About how many bytes convert_mesh will take at its peak, and how many it may.
+// About how many bytes convert_mesh will take at its peak.
 [[nodiscard]] double estimate_memory(const TriangleSoup& soup, const Lattice& lattice,
                                      const ConvertOptions& options);
-[[nodiscard]] double allowed_memory(const ConvertOptions& options);
 
 // Exact distances (or what the transform makes of exact ones beside the surface) at every lattice
 // point of the band, sign included; beyond the band plus and minus

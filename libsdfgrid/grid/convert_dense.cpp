@@ -41,17 +41,11 @@ Volume empty_volume(const IndexBox& box, const Lattice& lattice) {
   return volume;
 }
 
-void check_memory(const Volume& volume, double bytes_per_sample, std::size_t allowed_bytes) {
+void check_memory(const Volume& volume, double bytes_per_sample, std::size_t max_memory) {
   const glm::dvec3 dims(volume.dims);
-  const double bytes = dims.x * dims.y * dims.z * bytes_per_sample;
-  const double allowed =
-      allowed_bytes > 0 ? static_cast<double>(allowed_bytes) : 0.8 * available_memory();
-  if (bytes <= allowed) return;
-  throw Error(
-      ErrorKind::failed,
-      fmt::format("{} x {} x {} samples would take about {:.0f} MB, {:.0f} MB are allowed; "
-                  "use a larger voxel, no --dense, or a higher --max-memory",
-                  volume.dims.x, volume.dims.y, volume.dims.z, 1e-6 * bytes, 1e-6 * allowed));
+  check_allowed(dims.x * dims.y * dims.z * bytes_per_sample, max_memory,
+                fmt::format("{} x {} x {} samples", volume.dims.x, volume.dims.y, volume.dims.z),
+                "use a larger voxel, no --dense");
 }
 
 // Calls row(y, z) for all rows along x (of samples, of bricks), from many threads.

@@ -203,20 +203,14 @@ class FieldConverter {
       : lattice_(lattice),
         options_(options),
         job_(job),
-        allowed_(options.max_memory > 0 ? static_cast<double>(options.max_memory)
-                                        : 0.8 * available_memory()) {}
+        allowed_(allowed_memory(options.max_memory)) {}
 
   FieldConversion run(const Field& field) {
     const Box box = band_box(field, options_.band.exwidth * lattice_.voxel);
     collect({field, cube_around(lattice_, box)});
     parts_.resize(tasks_.size());
-    std::atomic<std::size_t> done{0};
-    parallel_for(tasks_.size(), 1, job_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        run_task(i);
-        job_.report("convert", static_cast<double>(++done) / static_cast<double>(tasks_.size()));
-      }
-    });
+    parallel_for("convert", tasks_.size(), 1, job_,
+                 [&](std::size_t task, std::size_t) { run_task(task); });
     return assemble();
   }
 

@@ -1,10 +1,11 @@
 #include "sdfgrid/grid/steepened.h"
 
-#include <openvdb/tree/LeafManager.h>
-
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <vector>
 
+#include "sdfgrid/core/parallel.h"
 #include "sdfgrid/grid/vdb.h"
 
 namespace sdfgrid {
@@ -12,6 +13,8 @@ namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
 using Accessor = openvdb::FloatGrid::ConstAccessor;
+
+constexpr std::size_t kLeavesPerTask = 32;
 
 double slope_at(const Accessor& values, const openvdb::Coord& at, double voxel) {
   double squared = 0;
@@ -24,44 +27,51 @@ double slope_at(const Accessor& values, const openvdb::Coord& at, double voxel) 
   return std::sqrt(squared) / (2 * voxel);
 }
 
+bool beside_surface(const Accessor& values, const openvdb::Coord& at, bool inside) {
+  return (values.getValue(at.offsetBy(1, 0, 0)) < 0) != inside ||
+         (values.getValue(at.offsetBy(0, 1, 0)) < 0) != inside ||
+         (values.getValue(at.offsetBy(0, 0, 1)) < 0) != inside;
+}
+
 // Whether more than a fifth of the voxels that have a neighbour on the other side are gentle.
-bool is_gentle(const openvdb::FloatGrid& grid, double voxel) {
-  std::size_t beside = 0;
-  std::size_t gentle = 0;
-  const Accessor values = grid.getConstAccessor();
-  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
-    for (auto it = leaf->cbeginValueOn(); it; ++it) {
-      const openvdb::Coord at = it.getCoord();
-      const bool in = *it < 0;
-      if ((values.getValue(at.offsetBy(1, 0, 0)) < 0) == in &&
-          (values.getValue(at.offsetBy(0, 1, 0)) < 0) == in &&
-          (values.getValue(at.offsetBy(0, 0, 1)) < 0) == in) {
-        continue;
+bool is_gentle(const openvdb::FloatGrid& grid, double voxel, const Job& job) {
+  std::vector<const Leaf*> leaves;
+  grid.tree().getNodes(leaves);
+  std::atomic<std::size_t> beside{0};
+  std::atomic<std::size_t> gentle{0};
+  parallel_for(leaves.size(), kLeavesPerTask, job, [&](std::size_t begin, std::size_t end) {
+    const Accessor values = grid.getConstAccessor();
+    for (std::size_t i = begin; i < end; ++i) {
+      for (auto it = leaves[i]->cbeginValueOn(); it; ++it) {
+        if (!beside_surface(values, it.getCoord(), *it < 0)) continue;
+        ++beside;
+        if (slope_at(values, it.getCoord(), voxel) < 0.7) ++gentle;
       }
-      ++beside;
-      if (slope_at(values, at, voxel) < 0.7) ++gentle;
     }
-  }
+  });
   return 5 * gentle > beside;
 }
 
 }  // namespace
 
-Grid steepened(const Grid& grid) {
-  const openvdb::FloatGrid::Ptr from = vdb(grid);
+Grid steepened(const Grid& grid, const Job& job) {
+  const openvdb::FloatGrid::ConstPtr from = vdb(grid);
   const double voxel = grid.lattice().voxel;
-  if (!is_gentle(*from, voxel)) return grid;
-  const openvdb::FloatGrid::Ptr to = from->deepCopy();
+  if (!is_gentle(*from, voxel, job)) return grid;
+  const Grid result = grid.clone();
   const float most = from->background();
-  openvdb::tree::LeafManager<openvdb::FloatTree> leaves(to->tree());
-  leaves.foreach ([&](Leaf& leaf, std::size_t) {
+  std::vector<Leaf*> leaves;
+  vdb(result)->tree().getNodes(leaves);
+  parallel_for(leaves.size(), kLeavesPerTask, job, [&](std::size_t begin, std::size_t end) {
     const Accessor values = from->getConstAccessor();
-    for (auto it = leaf.beginValueOn(); it; ++it) {
-      const double d = *it / std::max(slope_at(values, it.getCoord(), voxel), 1e-6);
-      it.setValue(std::clamp(static_cast<float>(d), -most, most));
+    for (std::size_t i = begin; i < end; ++i) {
+      for (auto it = leaves[i]->beginValueOn(); it; ++it) {
+        const double d = *it / std::max(slope_at(values, it.getCoord(), voxel), 1e-6);
+        it.setValue(std::clamp(static_cast<float>(d), -most, most));
+      }
     }
   });
-  return from_vdb(to);
+  return result;
 }
 
 }  // namespace sdfgrid

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdfgrid/core/parallel.h"
 #include "sdfgrid/voxelize/brick_sign.h"
+#include "sdfgrid/voxelize/node_bins.h"
 
 namespace sdfgrid {
 namespace {
@@ -59,6 +61,22 @@ bool finish_band_brick(const Band& band, double voxel, float values[512], std::u
     values[s] = static_cast<float>(v * voxel);
   }
   return needed;
+}
+
+void take_band_bricks(const std::vector<glm::ivec3>& coordinates, const Band& band, double voxel,
+                      const std::function<void(std::size_t i, float values[512])>& fill,
+                      const std::function<void(std::size_t i, const Brick&)>& take,
+                      const Job& job) {
+  constexpr std::size_t kBricksPerTask = 32;
+  parallel_for(coordinates.size(), kBricksPerTask, job, [&](std::size_t begin, std::size_t end) {
+    alignas(64) float values[512];
+    std::uint64_t active[8];
+    for (std::size_t i = begin; i < end; ++i) {
+      fill(i, values);
+      if (!finish_band_brick(band, voxel, values, active)) continue;
+      take(i, {coordinates[i] * kBrickEdge, values, active});
+    }
+  });
 }
 
 }  // namespace sdfgrid

@@ -11,6 +11,11 @@ namespace {
 constexpr float kInfinite = __builtin_inff();
 constexpr int kAhead = 3 * kLanes;  // samples between fetching and using
 
+inline I16 as_bits(F16 v) {
+  I16 bits;
+  __builtin_memcpy(&bits, &v, sizeof bits);
+  return bits;
+}
 inline F16 as_float(I16 bits) {
   F16 v;
   __builtin_memcpy(&v, &bits, sizeof v);
@@ -64,7 +69,7 @@ struct Terms {
 
 // The distances of neighbours that are final and on this side; the others are infinite.
 inline F16 known(const MarchStencil& stencil, I16 samples, I16 side) {
-  const I16 bits = gather(stencil.values, samples);
+  const I16 bits = as_bits(gather(stencil.values, samples));
   const F16 distance = as_float(bits ^ side);
   return select(((bits & 1) == splat(0)) & (distance >= splat(0.0F)), distance, splat(kInfinite));
 }

@@ -11,7 +11,7 @@ namespace sdfgrid {
 
 // What a stencil reads. A value is a signed distance whose last bit is 0 if it is final, else 1.
 struct MarchStencil {
-  const std::int32_t* values;  // the bits of floats; fewer than 2^31
+  const float* values;         // fewer than 2^31
   std::int32_t stride[3];      // between neighbours in a dense field
   const std::int32_t* bricks;  // in bricks: nine neighbours each (BrickField::neighbors)
   float weight[3];             // of a first-order term along each axis

@@ -199,7 +199,7 @@ void March<Field>::solve(std::span<const std::uint32_t> samples,
                          std::span<const std::uint32_t> sides,
                          std::vector<float>& distances) const {
   MarchStencil stencil{};
-  stencil.values = reinterpret_cast<const std::int32_t*>(values_.data());  // NOLINT
+  stencil.values = values_.data();
   stencil.second_order = options_.order == 2;
   for (int axis = 0; axis < 3; ++axis) {
     const double h = options_.spacing[axis];

@@ -140,20 +140,14 @@ class MeshBinary final : public MeshTransform {
 
   void run(const std::function<void(std::size_t, const Brick&)>& take,
            const Job& job) const override {
-    parallel_for(bricks(), kBricksPerTask, job, [&](std::size_t begin, std::size_t end) {
-      alignas(64) float values[512];
-      std::uint64_t active[8];
+    const auto fill = [&](std::size_t i, float* values) {
       SiteKeys inside;
       SiteKeys outside;
-      for (std::size_t i = begin; i < end; ++i) {
-        const glm::ivec3& at = table_.coordinates()[i];
-        find_keys(inside_, at, inside);
-        find_keys(outside_, at, outside);
-        for (std::size_t s = 0; s < 512; ++s) values[s] = distance(inside[s], outside[s]);
-        if (!finish_band_brick(band_, lattice_.voxel, values, active)) continue;
-        take(i, {at * kBrickEdge, values, active});
-      }
-    });
+      find_keys(inside_, table_.coordinates()[i], inside);
+      find_keys(outside_, table_.coordinates()[i], outside);
+      for (std::size_t s = 0; s < 512; ++s) values[s] = distance(inside[s], outside[s]);
+    };
+    take_band_bricks(table_.coordinates(), band_, lattice_.voxel, fill, take, job);
   }
 
   [[nodiscard]] bool contradicted() const override { return contradicted_; }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <glm/common.hpp>
@@ -63,12 +62,10 @@ class MeshFeature final : public MeshTransform {
            const Job& job) const override {
     const std::size_t blocks = nearest_.bricks().size();
     const std::size_t tasks = (blocks + kTaskBlocks - 1) / kTaskBlocks;
-    std::atomic<std::size_t> done{0};
-    parallel_for(tasks, 1, job, [&](std::size_t task, std::size_t) {
+    parallel_for("transform", tasks, 1, job, [&](std::size_t task, std::size_t) {
       Worker worker(*this);
       const std::size_t end = std::min(blocks, (task + 1) * kTaskBlocks);
       for (std::size_t block = task * kTaskBlocks; block < end; ++block) worker.run(block, take);
-      job.report("transform", static_cast<double>(++done) / static_cast<double>(tasks));
     });
   }
 

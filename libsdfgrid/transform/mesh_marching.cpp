@@ -5,7 +5,6 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
-#include "sdfgrid/core/parallel.h"
 #include "sdfgrid/transform/band_brick.h"
 #include "sdfgrid/transform/brick_table.h"
 #include "sdfgrid/transform/chamfer.h"
@@ -18,7 +17,6 @@
 namespace sdfgrid {
 namespace {
 
-constexpr std::size_t kBricksPerTask = 64;
 bool carries_sources(TransformMethod method) { return method == TransformMethod::closest_point; }
 
 bool is_chamfer(TransformMethod method) {
@@ -95,16 +93,11 @@ class MeshMarch final : public MeshTransform {
 
   void run(const std::function<void(std::size_t, const Brick&)>& take,
            const Job& job) const override {
-    parallel_for(bricks(), kBricksPerTask, job, [&](std::size_t begin, std::size_t end) {
-      alignas(64) float values[512];
-      std::uint64_t active[8];
-      for (std::size_t i = begin; i < end; ++i) {
-        const std::uint32_t first = march_.field().find(table_.coordinates()[i]) * 512;
-        for (std::uint32_t s = 0; s < 512; ++s) values[s] = march_.value(first + s);
-        if (!finish_band_brick(band_, lattice_.voxel, values, active)) continue;
-        take(i, {table_.coordinates()[i] * kBrickEdge, values, active});
-      }
-    });
+    const auto fill = [&](std::size_t i, float* values) {
+      const std::uint32_t first = march_.field().find(table_.coordinates()[i]) * 512;
+      for (std::uint32_t s = 0; s < 512; ++s) values[s] = march_.value(first + s);
+    };
+    take_band_bricks(table_.coordinates(), band_, lattice_.voxel, fill, take, job);
   }
 
   [[nodiscard]] bool contradicted() const override { return contradicted_; }

@@ -94,7 +94,7 @@ TEST(FormulaTrace, SteepenedGridsAreAboutDistances) {
   FieldConvertOptions options;
   options.dim = 64;
   const Grid bound = convert_field(torus("certified"), options, Job()).grid;
-  const Grid grid = steepened(bound);
+  const Grid grid = steepened(bound, {});
   const double h = grid.lattice().voxel;
   int beside = 0;
   for (auto it = vdb(grid)->cbeginValueOn(); it; ++it) {
@@ -109,7 +109,7 @@ TEST(FormulaTrace, SteepenedGridsAreAboutDistances) {
   EXPECT_GT(beside, 1000);
   // What is a distance is left alone.
   const Grid ball = convert_field(make_field("sphere"), options, Job()).grid;
-  EXPECT_EQ(vdb(steepened(ball)), vdb(ball));
+  EXPECT_EQ(vdb(steepened(ball, {})), vdb(ball));
 }
 
 }  // namespace
