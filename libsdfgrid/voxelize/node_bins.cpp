@@ -4,10 +4,10 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <numeric>
 #include <unordered_map>
 
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/core/parallel.h"
 
 namespace sdfgrid {
 namespace {
@@ -115,6 +115,13 @@ std::uint64_t node_key(const glm::ivec3& node) {
   return part(node.x) << 42U | part(node.y) << 21U | part(node.z);
 }
 
+glm::ivec3 node_of(std::uint64_t key) {
+  const auto part = [key](unsigned shift) {
+    return static_cast<int>(key >> shift & 0x1fffff) - (1 << 20);
+  };
+  return {part(42), part(21), part(0)};
+}
+
 }  // namespace
 
 TriangleRecord make_record(const glm::dvec3 corners[3]) {
@@ -153,16 +160,24 @@ void index_corners(const TriangleSoup& soup, const Lattice& lattice, std::uint32
   }
 }
 
-NodeBins::NodeBins(const TriangleSoup& soup, const Lattice& lattice, double reach, const Job& job) {
+namespace {
+
+// Which nodes a run of triangles reaches, in the order of the triangles.
+struct NodePairs {
+  std::vector<std::uint64_t> keys;       // of the nodes, in order of first appearance
+  std::vector<std::uint32_t> node;       // for each pair the number of its key
+  std::vector<std::uint32_t> triangles;  // for each pair
+};
+
+// For the triangles from `begin` to `end`.
+NodePairs find_nodes(const TriangleSoup& soup, const Lattice& lattice, double reach,
+                     std::size_t begin, std::size_t end) {
   const BrickKernel& kernel = brick_kernel();
-  std::unordered_map<std::uint64_t, std::uint32_t> numbers;  // key -> order of first appearance
-  std::vector<glm::ivec3> nodes;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  // node, triangle
-  pairs.reserve(soup.triangles.size() + soup.triangles.size() / 2);
+  NodePairs pairs;
+  std::unordered_map<std::uint64_t, std::uint32_t> numbers;
   std::uint64_t last_key = ~0ULL;
   std::uint32_t last = 0;
-  for (std::uint32_t t = 0; t < soup.triangles.size(); ++t) {
-    if (t % 65536 == 0) job.checkpoint();
+  for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
     glm::dvec3 corners[3];
     index_corners(soup, lattice, t, corners);
     for (const glm::dvec3& c : corners) {
@@ -181,29 +196,50 @@ NodeBins::NodeBins(const TriangleSoup& soup, const Lattice& lattice, double reac
       const std::uint64_t key = node_key(node);
       if (key != last_key) {
         const auto [found, is_new] =
-            numbers.try_emplace(key, static_cast<std::uint32_t>(nodes.size()));
-        if (is_new) nodes.push_back(node);
+            numbers.try_emplace(key, static_cast<std::uint32_t>(pairs.keys.size()));
+        if (is_new) pairs.keys.push_back(key);
         last_key = key;
         last = found->second;
       }
-      pairs.emplace_back(last, t);
+      pairs.node.push_back(last);
+      pairs.triangles.push_back(t);
     });
   }
-  std::vector<std::uint32_t> order(nodes.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return node_key(nodes[a]) < node_key(nodes[b]);
+  return pairs;
+}
+
+}  // namespace
+
+NodeBins::NodeBins(const TriangleSoup& soup, const Lattice& lattice, double reach, const Job& job) {
+  constexpr std::size_t kRun = 8192;  // triangles
+  std::vector<NodePairs> runs((soup.triangles.size() + kRun - 1) / kRun);
+  parallel_for(runs.size(), 1, job, [&](std::size_t run, std::size_t) {
+    const std::size_t begin = run * kRun;
+    runs[run] =
+        find_nodes(soup, lattice, reach, begin, std::min(begin + kRun, soup.triangles.size()));
   });
-  std::vector<std::uint32_t> rank(nodes.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
-  origins_.reserve(nodes.size());
-  for (const std::uint32_t n : order) origins_.push_back(nodes[n] * kNodeEdge);
-  first_.assign(nodes.size() + 1, 0);
-  for (const auto& [node, t] : pairs) ++first_[rank[node] + 1];
+  std::vector<std::uint64_t> keys;
+  for (const NodePairs& run : runs) keys.insert(keys.end(), run.keys.begin(), run.keys.end());
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  origins_.reserve(keys.size());
+  for (const std::uint64_t key : keys) origins_.push_back(node_of(key) * kNodeEdge);
+  first_.assign(keys.size() + 1, 0);
+  for (NodePairs& run : runs) {
+    for (std::uint64_t& key : run.keys) {  // from here on the node's number among all
+      key = static_cast<std::uint64_t>(std::lower_bound(keys.begin(), keys.end(), key) -
+                                       keys.begin());
+    }
+    for (const std::uint32_t n : run.node) ++first_[run.keys[n] + 1];
+  }
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
-  triangles_.resize(pairs.size());
+  triangles_.resize(first_.back());
   std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-  for (const auto& [node, t] : pairs) triangles_[next[rank[node]]++] = t;
+  for (const NodePairs& run : runs) {
+    for (std::size_t i = 0; i < run.node.size(); ++i) {
+      triangles_[next[run.keys[run.node[i]]]++] = run.triangles[i];
+    }
+  }
 }
 
 BrickBins::BrickBins(const TriangleSoup& soup, const Lattice& lattice, double reach,
