@@ -122,7 +122,7 @@ std::vector<Candidate> candidates(const Options& options, const Subject& subject
   }
   ConvertOptions convert;
   convert.band = band;
-  convert.transform = options.transform.options();
+  convert.transform = options.transform.options_for(options.methods);
   for (const ConvertMethod& method : select_methods(options.methods, convert, true)) {
     all.push_back({method.name, method.peer, [&subject, method, convert](int dim, const Job& job) {
                      ConvertOptions with = convert;

@@ -129,7 +129,7 @@ ConvertOptions convert_options(const Options& options, const Surface& surface) {
   } else if (convert.voxel == 0) {
     convert.voxel = surface.spacing;
   }
-  convert.transform = options.transform.options();
+  convert.transform = options.transform.options_for({options.method});
   return convert;
 }
 
@@ -253,7 +253,7 @@ Exit run_within(const Options& options, Context& context) {
   watch.lap("read");
   ConvertOptions convert = options.convert;
   convert.band = band_of(options);
-  convert.transform = options.transform.options();
+  convert.transform = options.transform.options_for(options.methods);
   convert.dim = choice_dims().front();  // the coarsest that is tried
   check_voxel(options, choose_lattice(surface.soup, convert).voxel);
   const glm::dvec3 size = bounds(surface.soup).size();
@@ -297,14 +297,15 @@ Exit run_scene(const Options& options, Context& context) {
   convert.band = band_of(options);
   convert.max_memory = options.convert.max_memory;
   const bool search = !options.tolerance.tolerance.empty();
-  if (!search) check_voxel(options, choose_lattice(scene.field, convert).voxel);
+  if (search) convert.dim = choice_dims().front();  // the coarsest that is tried
+  check_voxel(options, choose_lattice(scene.field, convert).voxel);
   Made made{{},
             std::nullopt,
             "field",
             "field",
             "values are the scene's own: bounds on the distance, or estimates (docs/shapes.md)",
             std::nullopt};
-  std::size_t evaluated = 0;
+  std::optional<std::size_t> evaluated;  // points; a search does not count them
   bool within = true;
   if (search) {
     const Choice choice =
@@ -328,9 +329,10 @@ Exit run_scene(const Options& options, Context& context) {
   describe(made, options, context);
   Json seconds = watch.seconds();
   seconds["transform"] = 0.0;
-  context.result()["evaluated"] = evaluated;
+  if (evaluated) context.result()["evaluated"] = *evaluated;
   context.result()["seconds"] = seconds;
-  context.print("{} points evaluated; read {:.3f} s, voxelize {:.3f} s, write {:.3f} s", evaluated,
+  context.print("{}read {:.3f} s, voxelize {:.3f} s, write {:.3f} s",
+                evaluated ? fmt::format("{} points evaluated; ", *evaluated) : "",
                 seconds["read"].get<double>(), seconds["voxelize"].get<double>(),
                 seconds["write"].get<double>());
   return within ? Exit::done : Exit::missed;

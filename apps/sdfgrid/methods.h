@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,11 +22,13 @@ CLI::Option* add_methods(CLI::App& app, std::vector<std::string>& chosen,
 
 // How the transforms work, whichever is chosen.
 struct TransformChoice {
-  double bucket = TransformOptions().bucket_width;
+  std::optional<double> bucket;
   std::string mask;  // a file; empty: none
 
-  // Reads the mask. Throws as read_chamfer_steps() does.
-  [[nodiscard]] TransformOptions options() const;
+  // Reads the mask; the methods are named as on the command line, none for all. Throws Error{usage}
+  // if one of them lacks its mask, or none has a use for what was given, else as
+  // read_chamfer_steps() does.
+  [[nodiscard]] TransformOptions options_for(const std::vector<std::string>& methods) const;
 };
 
 // Registers --bucket and --mask.

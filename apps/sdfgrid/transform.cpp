@@ -31,10 +31,7 @@ struct Options {
 
   // All of the above.
   [[nodiscard]] TransformOptions transform_options() const {
-    TransformOptions all = choice.options();
-    if (transform.method == TransformMethod::chamfer_mask && all.steps.empty()) {
-      throw Error(ErrorKind::usage, "the method chamfer needs a mask: give --mask FILE");
-    }
+    TransformOptions all = choice.options_for({std::string(transform_name(transform.method))});
     const bool antialiased = transform.method == TransformMethod::antialiased;
     if (antialiased && iso) {
       throw Error(ErrorKind::usage, "--iso is not for antialiased, which takes --range LO,HI");

@@ -138,6 +138,10 @@ Grid from_vdb(openvdb::FloatGrid::Ptr vdb, const std::string& source) {
     throw input_error(source, "transform", "voxels are not cubes along the axes",
                       "resample the grid to a uniform scale and translation");
   }
+  if (!std::isfinite(vdb->background())) {
+    throw input_error(source, "background", "the value beyond the band is not a finite number",
+                      "give the grid the band's width for its background");
+  }
   auto storage = std::make_shared<GridStorage>();
   storage->vdb = std::move(vdb);
   return Grid(storage);

@@ -19,7 +19,7 @@ ConvertMethod method_of(const TransformMethodInfo& info) {
   ConvertMethod method;
   method.name = info.name;
   method.help = info.help;
-  method.needs_steps = info.method == TransformMethod::chamfer_mask;
+  method.needs_steps = info.steps;
   method.transform = info.method;
   method.convert = [transform = info.method](const TriangleSoup& soup,
                                              const ConvertOptions& options, const Job& job) {
@@ -66,7 +66,7 @@ std::vector<ConvertMethod> select_methods(const std::vector<std::string>& names,
     const ConvertMethod* method = find_convert_method(name);
     if (method == nullptr) throw Error(ErrorKind::usage, "there is no method " + name);
     if (method->needs_steps && !have_steps) {
-      throw Error(ErrorKind::usage, "the method " + name + " needs a mask: give --mask FILE");
+      throw Error(ErrorKind::usage, "the method " + name + " needs the steps of a mask");
     }
   }
   std::vector<ConvertMethod> selected;

@@ -23,10 +23,11 @@ constexpr TransformMethodInfo kMethods[] = {
     {Method::chamfer345, "chamfer345", "steps of 3, 4 and 5 thirds", true, true},
     {Method::chamfer3, "chamfer3", "the best real steps of 3^3", true, true},
     {Method::chamfer5, "chamfer5", "the best real steps of 5^3", true, true},
-    {Method::chamfer_mask, "chamfer", "steps of your own (--mask)", true, true},
-    {Method::fmm, "fmm", "fast marching, first order", true, true},
-    {Method::fmm2, "fmm2", "fast marching, second order", true, true},
-    {Method::closest_point, "cpm", "marching that carries the nearest surface point", true, true},
+    {Method::chamfer_mask, "chamfer", "steps of your own (--mask)", true, true, false, true},
+    {Method::fmm, "fmm", "fast marching, first order", true, true, true},
+    {Method::fmm2, "fmm2", "fast marching, second order", true, true, true},
+    {Method::closest_point, "cpm", "marching that carries the nearest surface point", true, true,
+     true},
     {Method::antialiased, "antialiased", "planes through partly covered voxels", true, false},
 };
 

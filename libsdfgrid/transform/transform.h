@@ -35,6 +35,8 @@ struct TransformMethodInfo {
   std::string_view help;  // half a sentence
   bool volumes;           // distance_transform() takes it
   bool meshes;            // so does convert_mesh()
+  bool buckets = false;   // TransformOptions::bucket_width counts
+  bool steps = false;     // TransformOptions::steps must be given
 };
 
 // All methods, in the order in which help lists them.

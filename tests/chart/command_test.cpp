@@ -69,8 +69,10 @@ TEST_F(Chart, KnowsEveryMethodOfConvert) {
   for (const std::string& method : charted) {
     if (method == "openvdb" || method == "sweep") continue;
     const std::string grid = folder_.path(method + ".vdb");
-    const Outcome converted = run({"convert", cube_, "-o", grid, "--dim", "8", "--method", method,
-                                   "--mask", mask, "--json", "--quiet"});
+    std::vector<std::string> call = {"convert", cube_,      "-o",   grid,     "--dim",
+                                     "8",       "--method", method, "--json", "--quiet"};
+    if (method == "chamfer") call.insert(call.end(), {"--mask", mask});
+    const Outcome converted = run(call);
     EXPECT_EQ(converted.exit, 0) << converted.error;
     EXPECT_EQ(json::parse(converted.out)["method"], method);
   }
@@ -162,6 +164,25 @@ TEST_F(Chart, MasksAreChecked) {
   }
   EXPECT_NE(convert(folder_.write("mask.txt", "1 0 0 1\n2 2 0 2\n")).error.find("line 2"),
             std::string::npos);
+}
+
+TEST_F(Chart, OptionsOfOtherMethodsAreRefused) {
+  const std::string grid = folder_.path("cube.vdb");
+  const std::string mask = folder_.write("mask.txt", "1 0 0 1\n");
+  const auto convert = [&](const std::string& method, const std::string& option,
+                           const std::string& value) {
+    return run(
+        {"convert", cube_, "-o", grid, "--dim", "8", "--force", "--method", method, option, value});
+  };
+  for (const char* method : {"exact", "meijster", "chamfer345", "feature"}) {
+    const Outcome refused = convert(method, "--bucket", "0.5");
+    EXPECT_EQ(refused.exit, 2) << method;
+    EXPECT_NE(refused.error.find("fmm2"), std::string::npos) << refused.error;
+    EXPECT_EQ(convert(method, "--mask", mask).exit, 2) << method;
+  }
+  for (const char* method : {"fmm", "fmm2", "cpm"}) {
+    EXPECT_EQ(convert(method, "--bucket", "0.5").exit, 0) << method;
+  }
 }
 
 TEST_F(Chart, WordsAreChecked) {

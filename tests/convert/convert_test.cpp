@@ -219,6 +219,20 @@ TEST(Convert, FilesComeBackAsTheyWere) {
   }
 }
 
+// Whoever reads a grid sizes bands and boxes by its background.
+TEST(Convert, GridsWithoutAFiniteBackgroundAreRefused) {
+  for (const float background : {INFINITY, NAN}) {
+    try {
+      (void)from_vdb(openvdb::FloatGrid::create(background), "wide.vdb");
+      FAIL() << background;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      EXPECT_NE(std::string(error.what()).find("wide.vdb: background"), std::string::npos)
+          << error.what();
+    }
+  }
+}
+
 TEST(Convert, OpenVdbToolsTakeTheGrid) {
   const TriangleSoup soup = shapes::icosphere(4, 1.0);
   const Conversion conversion = convert(soup, 64);
