@@ -15,8 +15,6 @@
 #include "sdfgrid/core/atomic_file.h"
 #include "sdfgrid/core/error.h"
 
-extern char** environ;
-
 namespace sdfgrid::cli {
 namespace {
 
@@ -207,6 +205,7 @@ PartRange range_of(const std::vector<ChartPoint>& points, std::size_t part, cons
 std::string voxel_ticks(const std::vector<ChartPoint>& points, const ChartText& text,
                         bool labelled) {
   std::vector<double> sizes;
+  sizes.reserve(points.size());
   for (const ChartPoint& p : points) sizes.push_back(percent(p.survey.voxel, text));
   std::sort(sizes.begin(), sizes.end());
   std::string ticks;

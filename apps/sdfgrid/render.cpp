@@ -234,9 +234,10 @@ struct Rendering {
 
   // Where the pixel's ray hits.
   [[nodiscard]] glm::dvec3 point(std::size_t pixel) const {
-    const auto x = static_cast<double>(pixel % hits.width);
-    const auto y = static_cast<double>(pixel / hits.width);
-    const Ray ray = RayGenerator(camera).ray(x + 0.5, y + 0.5);
+    const std::size_t column = pixel % hits.width;
+    const std::size_t row = pixel / hits.width;
+    const Ray ray =
+        RayGenerator(camera).ray(static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5);
     return ray.origin + double(hits.depth[pixel]) * ray.direction;
   }
 };

@@ -241,7 +241,7 @@ Conversion convert_mesh(const TriangleSoup& soup, const ConvertOptions& options,
     leaves = make_leaves(mesh, lattice, options, job);
     result.seconds.voxelize += watch.lap();
   } else if (leaves.contradicted) {
-    mesh.warnings.push_back(
+    mesh.warnings.emplace_back(
         "the mesh crosses itself: signs by normals are wrong near there; --sign winding makes one "
         "solid of it");
   }

@@ -23,7 +23,7 @@ struct Magic {
 Magic parse_magic(std::string_view word) {
   Magic magic;
   const std::size_t off = word.find("OFF");
-  if (off == std::string_view::npos || off > 5) return magic;
+  if (off > 5) return magic;  // nor npos
   for (const char c : word.substr(0, off)) {
     if (c == '4' || c == 'n') {
       magic.extra_dimensions = true;

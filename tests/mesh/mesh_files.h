@@ -8,6 +8,7 @@
 #include <fstream>
 #include <glm/vec3.hpp>
 #include <iomanip>
+#include <ostream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -190,6 +191,9 @@ struct NamedFile {
   std::string format;  // as read_mesh() calls it
   std::string bytes;
 };
+
+// How GoogleTest names a parameter.
+inline void PrintTo(const NamedFile& file, std::ostream* out) { *out << file.name; }
 
 // The mesh in every variant that does not need OpenMesh to write it.
 inline std::vector<NamedFile> all_variants(const PolygonMesh& mesh) {
