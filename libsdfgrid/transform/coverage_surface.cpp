@@ -11,14 +11,8 @@ namespace {
 constexpr int kColumnReach = 5;   // voxels up and down a column
 constexpr double kWhole = 0.002;  // nearer to 0 or 1 is 0 or 1: half a grey level of 256
 
-// Units. Where the plane is the gradient's, at edges, it is right in one place only.
-constexpr float kEdgeRadius = 0.7F;
-
-double coverage_at(const SignedSamples& samples, const glm::ivec3& at) {
-  const glm::ivec3 inside = glm::clamp(at, glm::ivec3(0), samples.dims() - 1);
-  const double c = 0.5 - static_cast<double>(samples.value(samples.number(inside)));
-  return std::clamp(c, 0.0, 1.0);
-}
+// A plane's coverage changes by 0.4 a voxel and more (over two voxels); less is a blur.
+constexpr double kLeastGradient = 0.2;
 
 // Differences over three planes of nine samples each, weighted as by Sobel; per step of the index.
 glm::dvec3 coverage_gradient(const SignedSamples& samples, const glm::ivec3& at) {
@@ -79,6 +73,11 @@ double curve(const std::optional<double>& below, const std::optional<double>& he
   return below && here && above ? *below - 2 * *here + *above : 0;
 }
 
+double twist(const std::optional<double> (&h)[3][3]) {
+  if (!h[0][0] || !h[0][2] || !h[2][0] || !h[2][2]) return 0;
+  return 0.25 * (*h[2][2] - *h[2][0] - *h[0][2] + *h[0][0]);
+}
+
 // Mean curvature of the surface of these heights over their plane (lengths in units), positive
 // where it bulges up. `h[u + 1][v + 1]`; 0 if one is missing.
 double mean_curvature(const std::optional<double> (&h)[3][3], double rise, double step_u,
@@ -90,9 +89,28 @@ double mean_curvature(const std::optional<double> (&h)[3][3], double rise, doubl
   const double v = 0.5 * (*h[1][2] - *h[1][0]) * rise / step_v;
   const double uu = curve(h[0][1], h[1][1], h[2][1]) * rise / (step_u * step_u);
   const double vv = curve(h[1][0], h[1][1], h[1][2]) * rise / (step_v * step_v);
-  const double uv = 0.25 * (*h[2][2] - *h[2][0] - *h[0][2] + *h[0][0]) * rise / (step_u * step_v);
+  const double uv = twist(h) * rise / (step_u * step_v);
   const double sum = (1 + v * v) * uu + (1 + u * u) * vv - 2 * u * v * uv;
   return -0.5 * sum / std::pow(1 + u * u + v * v, 1.5);
+}
+
+// The largest distance of the heights from the plane through the middle one with these slopes, in
+// units; not near zero beside an edge, where some are missing, 1 if fewer than six are there.
+double misfit_of(const std::optional<double> (&h)[3][3], double slope_u, double slope_v,
+                 double rise) {
+  int count = 0;
+  double worst = 0;
+  for (int u = 0; u < 3; ++u) {
+    for (int v = 0; v < 3; ++v) {
+      if (!h[u][v]) continue;
+      ++count;
+      const double plane = *h[1][1] + (u - 1) * slope_u + (v - 1) * slope_v;
+      worst = std::max(worst, std::abs(*h[u][v] - plane));
+    }
+  }
+  constexpr double kLeastBesideEdge = 0.05;
+  if (count < 6) return 1;
+  return std::clamp(worst * rise, count < 9 ? kLeastBesideEdge : 0.0, 1.0);
 }
 
 enum class Heights { missing, elsewhere, here };
@@ -136,29 +154,30 @@ Heights patch_by_heights(const SignedSamples& samples, const glm::ivec3& at,
   const double rise = (std::abs(*slope_u) + std::abs(*slope_v)) * s[axis];
   const double radius =
       0.5 * std::sqrt(s[axis_u] * s[axis_u] + s[axis_v] * s[axis_v] + rise * rise);
-  patch = {glm::vec3(point * s), glm::vec3(glm::normalize(normal)),
+  const double length = glm::length(normal);
+  patch = {glm::vec3(point * s), glm::vec3(normal / length),
            static_cast<float>(std::clamp(curvature, -kSharpest, kSharpest)),
-           static_cast<float>(radius)};
+           static_cast<float>(radius),
+           static_cast<float>(misfit_of(h, *slope_u, *slope_v,
+                                        std::abs(normal[axis]) / length * s[axis] * s[axis]))};
+  patch.bend[axis_u][axis_u] =
+      static_cast<float>(-curve(h[0][1], h[1][1], h[2][1]) / (s[axis_u] * s[axis_u] * length));
+  patch.bend[axis_v][axis_v] =
+      static_cast<float>(-curve(h[1][0], h[1][1], h[1][2]) / (s[axis_v] * s[axis_v] * length));
+  patch.bend[axis_u][axis_v] = patch.bend[axis_v][axis_u] =
+      static_cast<float>(-twist(h) / (s[axis_u] * s[axis_v] * length));
   return Heights::here;
 }
 
 std::optional<SurfacePatch> patch_by_gradient(const SignedSamples& samples, const glm::ivec3& at,
                                               const glm::dvec3& gradient, double coverage) {
-  const glm::dvec3 middle = glm::dvec3(at) * samples.spacing();
-  const glm::dvec3 outward = -gradient / samples.spacing();
-  const double length = glm::length(outward);
-  if (coverage > kWhole && coverage < 1 - kWhole && length > 1e-9) {
-    const glm::dvec3 normal = outward / length;
-    const double offset = plane_offset(coverage, normal, samples.spacing());
-    return SurfacePatch{glm::vec3(middle + offset * normal), glm::vec3(normal), 0, kEdgeRadius};
+  if (!is_partly_covered(coverage) || glm::length(gradient) < kLeastGradient) {
+    return crossing_patch(samples, at);
   }
-  SurfaceSeed seed{};
-  if (!samples.seed(at, seed)) return std::nullopt;
-  const glm::vec3 way = seed.distance < 0 ? seed.to_point : -seed.to_point;
-  const float step = glm::length(way);
-  return SurfacePatch{glm::vec3(middle) + seed.to_point,
-                      step > 0 ? way / step : glm::vec3(outward / std::max(length, 1e-9)), 0,
-                      kEdgeRadius};
+  const glm::dvec3 normal = glm::normalize(-gradient / samples.spacing());
+  const double offset = plane_offset(coverage, normal, samples.spacing());
+  const glm::dvec3 middle = glm::dvec3(at) * samples.spacing();
+  return SurfacePatch{glm::vec3(middle + offset * normal), glm::vec3(normal), 0, kEdgeRadius, 1};
 }
 
 bool borders_other_side(const SignedSamples& samples, const glm::ivec3& at) {
@@ -197,16 +216,41 @@ double plane_offset(double coverage, const glm::dvec3& normal, const glm::dvec3&
   return 0.5 * (lo + hi) - 0.5 * whole;
 }
 
+double coverage_at(const SignedSamples& samples, const glm::ivec3& at) {
+  const glm::ivec3 inside = glm::clamp(at, glm::ivec3(0), samples.dims() - 1);
+  const double c = 0.5 - static_cast<double>(samples.value(samples.number(inside)));
+  return std::clamp(c, 0.0, 1.0);
+}
+
+bool is_partly_covered(double coverage) { return coverage > kWhole && coverage < 1 - kWhole; }
+
+bool is_near_surface(const SignedSamples& samples, const glm::ivec3& at) {
+  if (borders_other_side(samples, at)) return true;
+  if (!is_partly_covered(coverage_at(samples, at))) return false;
+  const bool inside = samples.inside(samples.number(at));
+  for (int n = 0; n < 27; ++n) {
+    const glm::ivec3 there = at + glm::ivec3(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
+    if (samples.has(there) && samples.inside(samples.number(there)) != inside) return true;
+  }
+  return false;
+}
+
 std::optional<SurfacePatch> surface_patch(const SignedSamples& samples, const glm::ivec3& at) {
-  const double coverage = coverage_at(samples, at);
-  const bool partly = coverage > kWhole && coverage < 1 - kWhole;
-  if (!partly && !borders_other_side(samples, at)) return std::nullopt;
   const glm::dvec3 gradient = coverage_gradient(samples, at);
   SurfacePatch patch{};
   const Heights heights = patch_by_heights(samples, at, gradient, patch);
   if (heights == Heights::here) return patch;
   if (heights == Heights::elsewhere) return std::nullopt;
-  return patch_by_gradient(samples, at, gradient, coverage);
+  return patch_by_gradient(samples, at, gradient, coverage_at(samples, at));
+}
+
+std::optional<SurfacePatch> crossing_patch(const SignedSamples& samples, const glm::ivec3& at) {
+  SurfaceSeed seed{};
+  if (!samples.seed(at, seed)) return std::nullopt;
+  // Never of no length, see SignedSamples::seed().
+  const glm::vec3 way = seed.distance < 0 ? seed.to_point : -seed.to_point;
+  const glm::vec3 middle(glm::dvec3(at) * samples.spacing());
+  return SurfacePatch{middle + seed.to_point, glm::normalize(way), 0, kEdgeRadius, 1};
 }
 
 }  // namespace sdfgrid

@@ -1,6 +1,7 @@
 sdfgrid_test(transform_test SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/antialiased_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/convert_dense_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/corner_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/dense_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/marching_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/mesh_test.cpp
