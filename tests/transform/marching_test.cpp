@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <glm/vector_relational.hpp>
 #include <limits>
 #include <type_traits>
@@ -78,9 +79,10 @@ class Upwind {
   int order_;
 };
 
-// Outside of a ball, from exact seeds within two voxels of it.
+// From exact seeds within so many voxels of the surface.
 template <class Field>
-std::vector<float> march(const MarchOptions& options, const Values& exact, Field field) {
+std::vector<float> march(const MarchOptions& options, const Values& exact, Field field,
+                         float seeded = 2) {
   March<Field> march(options, std::move(field));
   march.reserve();
   const auto for_each = [&](const glm::ivec3& from, const glm::ivec3& to, const auto& visit) {
@@ -109,7 +111,7 @@ std::vector<float> march(const MarchOptions& options, const Values& exact, Field
   }
   for_each(glm::ivec3(0), exact.dims, [&](const glm::ivec3& at) {
     const float d = exact.values[exact.index(at.x, at.y, at.z)];
-    if (std::abs(d) < 2) march.seed(sample(at), d);
+    if (std::abs(d) < seeded) march.seed(sample(at), d);
   });
   march.run(Job{});
   std::vector<float> found;
@@ -164,6 +166,27 @@ TEST(Marching, GivesTheSameBitsInRowsAndInBricks) {
     const MarchOptions options{.bucket_width = width};
     EXPECT_EQ(march(options, exact, DenseField(exact.dims)), march(options, exact, bricks));
   }
+}
+
+// Mean error of second order at a ball of 0.3 of the volume, voxels.
+double error_at(int n, float seeded) {
+  const Values exact =
+      sampled({glm::ivec3(n)}, [&](const glm::dvec3& p) { return ball(p, 0.3 * n); });
+  // Buckets are made for seeds of two voxels.
+  return errors(march({.bucket_width = 0}, exact, DenseField(exact.dims), seeded), exact).mean;
+}
+
+// The scheme has order two; seeds of two voxels, a smaller share of the way on finer grids, let
+// coarse grids look better than they are.
+TEST(Marching, HasOrderTwoFromSeedsOfOneWidth) {
+  const auto order = [](double coarse, double fine) { return 1 + std::log2(coarse / fine); };
+  const double coarse = error_at(64, 2);
+  const double as_wide_in_voxels = order(coarse, error_at(128, 2));
+  const double as_wide_in_the_world = order(coarse, error_at(128, 4));
+  std::printf("order from 64 to 128: %.2f, from seeds of one width in the world %.2f\n",
+              as_wide_in_voxels, as_wide_in_the_world);
+  EXPECT_GT(as_wide_in_voxels, 1.75);
+  EXPECT_GT(as_wide_in_the_world, 1.95);
 }
 
 }  // namespace
