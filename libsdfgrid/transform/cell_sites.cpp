@@ -3,9 +3,17 @@
 #include <algorithm>
 #include <bit>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <tuple>
+#include <utility>
+
+#include "sdfgrid/core/parallel.h"
+#include "sdfgrid/voxelize/node_bins.h"
 
 namespace sdfgrid {
 namespace {
+
+constexpr std::size_t kMost = 0xffff;  // triangles of a brick
 
 std::uint64_t cells_of(const std::uint64_t samples[8]) {
   std::uint64_t cells = 0;
@@ -34,6 +42,16 @@ void add_cells(std::uint64_t cells, const glm::ivec3& brick, SiteBits& block) {
   }
 }
 
+// Several of them may be between neighbouring samples.
+bool is_small(const glm::dvec3 corners[3]) {
+  constexpr double kSmall = 2;
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 edge = corners[i] - corners[(i + 1) % 3];
+    if (glm::dot(edge, edge) > kSmall * kSmall) return false;
+  }
+  return true;
+}
+
 std::vector<glm::ivec3> blocks_of(const BrickTable& bricks) {
   std::vector<glm::ivec3> blocks;
   blocks.reserve(bricks.size());
@@ -60,6 +78,27 @@ CellTriangles::CellTriangles(const Brick& brick) : with_seeds(cells_of(brick.act
   }
 }
 
+void CellTriangles::add(std::span<const Small> small) {
+  std::vector<std::uint32_t> all;
+  all.reserve(triangles.size() + small.size());
+  auto next = small.begin();
+  for (std::size_t cell = 0; cell + 1 < first.size(); ++cell) {
+    const auto begin = static_cast<std::ptrdiff_t>(all.size());
+    const auto known = std::span(triangles).subspan(first[cell]);
+    const std::size_t end = first[cell + 1] - first[cell];
+    if (cell > 0) first[cell] = static_cast<std::uint16_t>(begin);
+    all.insert(all.end(), known.begin(), known.begin() + static_cast<std::ptrdiff_t>(end));
+    for (; next != small.end() && next->cell == cell; ++next) {
+      if ((with_seeds >> cell & 1) == 0 || all.size() == kMost) continue;
+      if (std::find(all.begin() + begin, all.end(), next->triangle) == all.end()) {
+        all.push_back(next->triangle);
+      }
+    }
+  }
+  first.back() = static_cast<std::uint16_t>(all.size());
+  triangles = std::move(all);
+}
+
 CellSites::CellSites(const SignedMesh& mesh, const Lattice& lattice, const Job& job)
     : seeds(find_seeds<CellTriangles>(
           mesh, lattice, kLeastSeedWidth, [](const Brick& brick) { return CellTriangles(brick); },
@@ -69,6 +108,44 @@ CellSites::CellSites(const SignedMesh& mesh, const Lattice& lattice, const Job& 
   for (std::size_t i = 0; i < seeds.bricks.size(); ++i) {
     const glm::ivec3& c = seeds.table.coordinates()[i];
     add_cells(seeds.bricks[i]->with_seeds, c, bits[static_cast<std::size_t>(blocks.find(c >> 1))]);
+  }
+  add_small_triangles(mesh.soup, lattice, job);
+}
+
+void CellSites::add_small_triangles(const TriangleSoup& soup, const Lattice& lattice,
+                                    const Job& job) {
+  struct Place {
+    std::int32_t brick;
+    CellTriangles::Small small;
+  };
+  std::vector<Place> places(soup.triangles.size());
+  parallel_for(places.size(), 4096, job, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const auto triangle = static_cast<std::uint32_t>(t);
+      glm::dvec3 corners[3];
+      index_corners(soup, lattice, triangle, corners);
+      places[t].brick = BrickTable::kNone;
+      if (!is_small(corners)) continue;
+      const glm::ivec3 at(glm::round((corners[0] + corners[1] + corners[2]) / 3.0));
+      const glm::ivec3 cell = at >> 1 & (kBrickCells - 1);
+      places[t] = {
+          seeds.table.find(at >> 3),
+          {static_cast<std::size_t>((cell.x * kBrickCells + cell.y) * kBrickCells + cell.z),
+           triangle}};
+    }
+  });
+  std::erase_if(places, [](const Place& place) { return place.brick == BrickTable::kNone; });
+  const auto key = [](const Place& p) {
+    return std::tuple(p.brick, p.small.cell, p.small.triangle);
+  };
+  std::sort(places.begin(), places.end(),
+            [&](const Place& a, const Place& b) { return key(a) < key(b); });
+  std::vector<CellTriangles::Small> of_brick;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    of_brick.push_back(places[i].small);
+    if (i + 1 < places.size() && places[i + 1].brick == places[i].brick) continue;
+    seeds.bricks[static_cast<std::size_t>(places[i].brick)]->add(of_brick);
+    of_brick.clear();
   }
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "sdfgrid/transform/mesh_seeds.h"
@@ -16,13 +17,21 @@ inline constexpr int kCell = 2;        // samples
 inline constexpr int kBrickCells = 4;  // kBrickEdge / kCell
 inline constexpr int kBlockCells = 8;  // a block is 2^3 bricks
 
-// The triangles nearest to the seeds in each cell of a brick, each once a cell.
+// The triangles nearest to the seeds in each cell of a brick, and those so small that several may
+// be between seeds, in the cell of their middle. Each once a cell.
 struct CellTriangles {
   std::uint64_t with_seeds;  // which cells have any: bit (x * 4 + y) * 4 + z
   std::array<std::uint16_t, kBrickCells * kBrickCells * kBrickCells + 1> first{};
   std::vector<std::uint32_t> triangles;
 
   explicit CellTriangles(const Brick& brick);
+
+  struct Small {
+    std::size_t cell;
+    std::uint32_t triangle;
+  };
+  // By cell, ascending. Cells without seeds are passed over.
+  void add(std::span<const Small> small);
 };
 
 struct CellSites {
@@ -31,6 +40,9 @@ struct CellSites {
   std::vector<SiteBits> bits;  // the cells with seeds of each block
 
   CellSites(const SignedMesh& mesh, const Lattice& lattice, const Job& job);
+
+ private:
+  void add_small_triangles(const TriangleSoup& soup, const Lattice& lattice, const Job& job);
 };
 
 // A list of triangles, each once.

@@ -178,7 +178,7 @@ double error_at(int n, float seeded) {
 
 // The scheme has order two; seeds of two voxels, a smaller share of the way on finer grids, let
 // coarse grids look better than they are.
-TEST(Marching, HasOrderTwoFromSeedsOfOneWidth) {
+TEST(MarchingOrder, IsTwoFromSeedsOfOneWidth) {
   const auto order = [](double coarse, double fine) { return 1 + std::log2(coarse / fine); };
   const double coarse = error_at(64, 2);
   const double as_wide_in_voxels = order(coarse, error_at(128, 2));

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
+#include <utility>
 
 #include "property/random_meshes.h"
 #include "sdfgrid/core/error.h"
@@ -96,15 +98,17 @@ TEST(MeshTransform, EveryMethodKeepsItsBoundAndTheSigns) {
   }
 }
 
-// Triangles of 1.4 voxels: a seed knows one of several, and the error is that of a point up to a
-// voxel beside the nearest one (measured: 0.09, 0.03, 0.05 and 0.13 voxel).
+// Triangles of 1.4 voxels, smaller than a cell. Inside of a ball which cell is nearest says little
+// of where the nearest point is, the less so the nearer its centre (20 voxels) is.
 TEST(MeshTransform, FeatureIsNearlyExact) {
-  for (const double width : {2.0, 5.0, 10.0, 22.0}) {
+  const std::pair<double, double> bounds[] = {{2, 0.001}, {5, 0.025}, {10, 0.06}, {22, 0.15}};
+  for (const auto& [width, p999] : bounds) {
     const TriangleSoup soup = shapes::icosphere(4, 1.0, {0.3, 0.1, -0.2});
     const Conversion exact = converted(soup, std::nullopt, width);
     const Conversion made = converted(soup, TransformMethod::feature, width);
     const Difference d = difference(made.grid, exact.grid);
-    EXPECT_LT(d.p999, 0.15) << width;
+    std::printf("feature, width %g: 99.9 %% within %.4f, largest %.3f\n", width, d.p999, d.max);
+    EXPECT_LT(d.p999, p999) << width;
     EXPECT_EQ(d.signs, 0U) << width;
     EXPECT_NEAR(static_cast<double>(made.grid.active_voxels()),
                 static_cast<double>(exact.grid.active_voxels()),
