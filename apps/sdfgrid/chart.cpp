@@ -77,6 +77,12 @@ struct Subject {
   std::optional<Field> field;  // of a scene
 };
 
+void set_surface(const Grid& grid, const std::string& from, Subject& subject, Context& context) {
+  subject.soup = isosurface(to_volume(grid, 1), {.iso = 0, .inside_above = false}, context.job());
+  subject.surface =
+      fmt::format("{} triangles of its surface{}", subject.soup.triangles.size(), from);
+}
+
 // The surface of a scene as triangles: its zero in a grid twice as fine as any that is charted.
 Subject scene_subject(const Options& options, Context& context) {
   constexpr int kLeast = 128;
@@ -87,15 +93,17 @@ Subject scene_subject(const Options& options, Context& context) {
   convert.dim =
       std::clamp(2 * *std::max_element(options.dims.begin(), options.dims.end()), kLeast, kMost);
   const Grid grid = convert_field(*subject.field, convert, context.job()).grid;
-  subject.soup = isosurface(to_volume(grid, 1), {.iso = 0, .inside_above = false}, context.job());
-  subject.surface = fmt::format("{} triangles of its surface at {} voxels",
-                                subject.soup.triangles.size(), convert.dim);
+  set_surface(grid, fmt::format(" at {} voxels", convert.dim), subject, context);
   return subject;
 }
 
 Subject load_subject(const Options& options, Context& context) {
   if (names_scene(options.input)) return scene_subject(options, context);
   Subject subject;
+  if (kind_of(options.input, options.surface.iso.has_value()) == InputKind::grid) {
+    set_surface(read_distances(options.input, true), "", subject, context);
+    return subject;
+  }
   subject.soup = load_surface(options.input, options.surface, context).soup;
   subject.surface = fmt::format("{} triangles", subject.soup.triangles.size());
   return subject;
@@ -275,8 +283,8 @@ void report_front(const std::vector<ChartPoint>& points, Context& context) {
 Exit run(const Options& options, const CLI::App& app, Context& context) {
   check_output(options.output);
   std::vector<InputKind> kinds = {kind_of(options.input, options.surface.iso.has_value())};
-  // What is said of methods is for the scene's mesh.
-  if (kinds.front() == InputKind::scene) kinds.push_back(InputKind::mesh);
+  // What is said of methods is for the mesh of a scene's or a grid's surface.
+  if (kinds.front() != InputKind::volume) kinds.push_back(InputKind::mesh);
   check_options_for(app, kinds);
   for (const Output& output : outputs(options)) check_output(output);
   Stopwatch watch;
@@ -314,7 +322,7 @@ Exit run(const Options& options, const CLI::App& app, Context& context) {
 
 Run add_chart(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  app.add_option("IN", options->input, "mesh, scene, or volume (see --iso), to measure on")
+  app.add_option("IN", options->input, "mesh, scene, grid, or volume (see --iso), to measure on")
       ->required();
   add_output(app, options->output, {".svg", ".png"});
   app.get_option("--output")

@@ -84,8 +84,11 @@ std::pair<Samples, bool> parse_type(const std::string& path, std::string_view te
       if (type == code) return {samples_of_type(name), word[0] == '>'};
     }
   }
-  throw input_error(path, "header", fmt::format("samples of type {}", text.substr(0, 24)),
-                    "save it as integers or floats, as in array.astype('float32')");
+  throw input_error(path, "header",
+                    word.empty() ? "samples of several fields"
+                                 : fmt::format("samples of numpy's type '{}'", word),
+                    "save it as integers or as floats of 32 or 64 bits, as in "
+                    "array.astype('float32')");
 }
 
 // The numbers of a tuple as in "(3, 4, 5), }".

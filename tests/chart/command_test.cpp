@@ -110,6 +110,27 @@ TEST_F(Chart, SaysWhatItWrites) {
   }
 }
 
+// On the surface of a level set; what has no inside is refused with a remedy.
+TEST_F(Chart, DoesGrids) {
+  const std::string grid = folder_.path("cube.vdb");
+  ASSERT_EQ(run({"convert", cube_, "-o", grid, "--dim", "32", "--quiet"}).exit, 0);
+  const auto chart = [&] {
+    return run({"chart", grid, "-o", chart_, "--force", "--dims", "16", "--methods", "exact",
+                "--samples", "500", "--repeat", "1", "--json", "--quiet"});
+  };
+  const Outcome made = chart();
+  ASSERT_EQ(made.exit, 0) << made.error;
+  const json result = json::parse(made.out);
+  ASSERT_EQ(result["points"].size(), 1U);
+  const json& point = result["points"][0];
+  EXPECT_LT(point["voxels"]["max_error"].get<double>(), 1e-5 * point["voxel"].get<double>());
+  ASSERT_EQ(run({"convert", cube_, "-o", grid, "--force", "--sign", "unsigned", "--quiet"}).exit,
+            0);
+  const Outcome refused = chart();
+  EXPECT_EQ(refused.exit, 4);
+  EXPECT_NE(refused.error.find("no sign"), std::string::npos) << refused.error;
+}
+
 TEST_F(Chart, DoesScenes) {
   const std::string scene =
       folder_.write("scene.yaml", "sdfgrid: 1\nscene:\n  - sphere: {radius: 1}\n");

@@ -96,6 +96,10 @@ TEST_F(Npy, MalformedOnesAreRefused) {
   expect_refused(good.substr(0, good.size() - 1), "announces 240 bytes");
   expect_refused(npy("<f2", false, "(5, 4, 3)", c_order<float>()), "'<f2'");
   expect_refused(npy("<c8", false, "(5, 4, 3)", c_order<float>()), "'<c8'");
+  expect_refused(npy("<f2", false, "(5, 4, 3)", c_order<float>()), "type '<f2'; save it");
+  std::string fields = good;
+  fields.replace(fields.find("'<f4'"), 5, "[('a'");
+  expect_refused(fields, "of several fields; save it");
   expect_refused(npy("<f4", false, "(60,)", c_order<float>()), "1 axes");
   expect_refused(npy("<f4", false, "(5, 0, 3)", c_order<float>()), "axis 1 has 0 samples");
   expect_refused(npy("<f4", false, "(5, -4, 3)", c_order<float>()), "shape");
