@@ -1,7 +1,7 @@
 // Dense distance transforms: speed and error in one run, one thread unless said.
 //
 //   transform_bench [--dim=512] [--march-dim=256] [--repetitions=3]
-//   [--only=masks|marching|peers|mesh]
+//   [--only=masks|threads|marching|peers|mesh]
 //                   [--mesh=FILE --mesh-dim=512 --width=10] [--stability]
 //
 // Speed is samples by the processor's seconds of this process (less sensitive to what else the
@@ -43,6 +43,7 @@ struct Settings {
   int mesh_dim = 512;
   double width = 10;
   bool stability = false;
+  bool help = false;
 
   [[nodiscard]] bool wants(const std::string& part) const { return only.empty() || only == part; }
 };
@@ -60,6 +61,7 @@ Settings parse(int count, char** words) {
     if (word.starts_with("--mesh-dim=")) settings.mesh_dim = std::stoi(value);
     if (word.starts_with("--width=")) settings.width = std::stod(value);
     if (word == "--stability") settings.stability = true;
+    if (word == "--help") settings.help = true;
   }
   return settings;
 }
@@ -121,18 +123,64 @@ Errors errors(const std::vector<float>& got, const Case& c) {
   return e;
 }
 
-// By the clock, in turn, so that other work on the machine is shared by both.
-void print_two_threads(int repetitions, const std::function<void()>& work) {
-  double best[2] = {1e300, 1e300};
+// Work for threads that share nothing but the machine: what two of them gain at best here, now.
+void copy_all(std::vector<float>& from, std::vector<float>& to) {
+  constexpr std::size_t kPart = 1 << 16;
+  parallel_for(from.size() / kPart, 1, Job{}, [&](std::size_t begin, std::size_t end) {
+    std::copy(from.begin() + static_cast<std::ptrdiff_t>(begin * kPart),
+              from.begin() + static_cast<std::ptrdiff_t>(end * kPart),
+              to.begin() + static_cast<std::ptrdiff_t>(begin * kPart));
+  });
+}
+void calculate(std::vector<float>& to) {
+  parallel_for(256, 1, Job{}, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      float sums[16] = {};
+      for (int n = 0; n < 500'000; ++n) {
+        for (float& sum : sums) sum = sum * 0.999F + 0.5F;
+      }
+      to[i] = sums[i % 16];
+    }
+  });
+}
+
+// The machine's load: processes that want to run, over the last minute.
+std::string load() {
+  double loads[1] = {0};
+  return getloadavg(loads, 1) == 1 ? fmt::format("{:.2f}", loads[0]) : "unknown";
+}
+
+// In turn, so that other work on the machine is shared by all. Where the machine is busy, the
+// processor's time tells what a second thread costs more in all.
+void print_two_threads(int repetitions, const std::function<void()>& transform) {
+  std::vector<float> from(std::size_t{1} << 26U, 1.0F);
+  std::vector<float> to(from.size());
+  struct Work {
+    const char* name;
+    std::function<void()> run;
+    double wall[2] = {1e300, 1e300};
+    double cpu[2] = {1e300, 1e300};
+  };
+  Work works[] = {{"meijster, outside", transform},
+                  {"bare copying of 256 MB", [&] { copy_all(from, to); }},
+                  {"bare arithmetic", [&] { calculate(to); }}};
   for (int r = 0; r < repetitions; ++r) {
-    for (const int threads : {1, 2}) {
-      const ThreadLimit limit(threads);
-      double& seconds = best[threads - 1];
-      seconds = std::min(seconds, best_seconds(1, work, wall_seconds));
+    for (Work& work : works) {
+      for (const int threads : {1, 2}) {
+        const ThreadLimit limit(threads);
+        const double start = cpu_seconds();
+        double& wall = work.wall[threads - 1];
+        wall = std::min(wall, best_seconds(1, work.run, wall_seconds));
+        double& cpu = work.cpu[threads - 1];
+        cpu = std::min(cpu, cpu_seconds() - start);
+      }
     }
   }
-  fmt::print("  meijster, outside, by the clock: {:.3f} s, two threads {:.3f} s, ratio {:.2f}\n",
-             best[0], best[1], best[0] / best[1]);
+  fmt::print("one thread and two, the clock's and the processor's seconds, load {}\n", load());
+  for (const Work& w : works) {
+    fmt::print("  {:<24} {:.3f} / {:.3f} s, ratio {:.2f}; processor {:.3f} / {:.3f} s\n", w.name,
+               w.wall[0], w.wall[1], w.wall[0] / w.wall[1], w.cpu[0], w.cpu[1]);
+  }
 }
 
 void run_masks(const Settings& settings) {
@@ -157,11 +205,18 @@ void run_masks(const Settings& settings) {
     measure("ball, outside", {.method = method, .side = outside});
     measure("ball, signed", {.method = method});
   }
-  print_two_threads(settings.repetitions, [&] { transform({.side = outside}); });
   run_itk(c.dims, c.mask, std::min(settings.repetitions, 2));
   std::mt19937 random(1);
   for (auto& m : c.mask) m = random() % 100 == 0 ? 1 : 0;
   measure("1 % noise, outside", {.side = outside});
+}
+
+void run_threads(const Settings& settings) {
+  const Case c = make_case(glm::ivec3(settings.dim), ball(0.4 * settings.dim));
+  std::vector<float> distance(c.mask.size());
+  print_two_threads(settings.repetitions, [&] {
+    distance_transform(c.masked(), {.side = TransformSide::outside}, distance, Job{});
+  });
 }
 
 void run_marching(const Settings& settings) {
@@ -304,12 +359,17 @@ int main(int count, char** words) {
   using namespace sdfgrid::bench;
   openvdb::initialize();
   const Settings settings = parse(count, words);
+  if (settings.help) {
+    fmt::print("see the head of bench/transform_bench.cpp\n");
+    return 0;
+  }
   fmt::print("instruction set {}\n", sdfgrid::isa_name(sdfgrid::active_isa()));
   if (settings.stability) {
     run_stability();
     return 0;
   }
   if (settings.wants("masks")) run_masks(settings);
+  if (settings.wants("threads")) run_threads(settings);
   if (settings.wants("marching")) {
     run_marching(settings);
     run_fast_sweeping(settings);
