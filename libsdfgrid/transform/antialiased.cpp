@@ -78,11 +78,16 @@ class Antialiased {
     const auto slabs = static_cast<std::size_t>(samples_.dims().x);
     std::vector<std::vector<Candidate>> found(slabs);
     parallel_for(slabs, 1, job, [&](std::size_t begin, std::size_t end) {
+      std::vector<std::uint8_t> beside_surface(static_cast<std::size_t>(samples_.dims().z));
       for (std::size_t x = begin; x < end; ++x) {
         for (int y = 0; y < samples_.dims().y; ++y) {
+          samples_.seed_row(static_cast<int>(x), y, beside_surface.data());
           for (int z = 0; z < samples_.dims().z; ++z) {
             const glm::ivec3 at(x, y, z);
-            if (!is_near_surface(samples_, at)) continue;
+            if (beside_surface[static_cast<std::size_t>(z)] == 0 &&
+                !is_cut_by_surface(samples_, at)) {
+              continue;
+            }
             found[x].push_back({at, surface_patch(samples_, at), std::nullopt});
           }
         }
@@ -124,12 +129,20 @@ class Antialiased {
     }
   }
 
+  // Without an edge the patches in the voxels around look the same way.
   [[nodiscard]] bool is_smooth_around(const glm::ivec3& at) const {
-    for (int n = 0; n < 27; ++n) {
+    constexpr float kSameWay = 0.966F;  // 15 degrees, half of what planes must differ to meet
+    const SurfacePatch* first = nullptr;
+    bool same_way = true;
+    bool smooth = true;
+    for (int n = 0; n < 27 && (same_way || smooth); ++n) {
       const SurfacePatch* patch = patch_at(at + around(n));
-      if (patch != nullptr && !is_smooth(*patch)) return false;
+      if (patch == nullptr) continue;
+      if (first == nullptr) first = patch;
+      same_way = same_way && glm::dot(first->normal, patch->normal) > kSameWay;
+      smooth = smooth && is_smooth(*patch);
     }
-    return true;
+    return same_way || smooth;
   }
 
   void set_corner(const Corner& corner, Candidate& candidate) const {

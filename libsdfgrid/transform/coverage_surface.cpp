@@ -180,18 +180,6 @@ std::optional<SurfacePatch> patch_by_gradient(const SignedSamples& samples, cons
   return SurfacePatch{glm::vec3(middle + offset * normal), glm::vec3(normal), 0, kEdgeRadius, 1};
 }
 
-bool borders_other_side(const SignedSamples& samples, const glm::ivec3& at) {
-  const bool inside = samples.inside(samples.number(at));
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const int way : {-1, 1}) {
-      glm::ivec3 there = at;
-      there[axis] += way;
-      if (samples.has(there) && samples.inside(samples.number(there)) != inside) return true;
-    }
-  }
-  return false;
-}
-
 // How much of the unit cube is below the plane m . x = t, m >= 0.
 double covered_part(const glm::dvec3& m, double t) {
   const auto cube = [](double x) { return x > 0 ? x * x * x : 0.0; };
@@ -224,8 +212,7 @@ double coverage_at(const SignedSamples& samples, const glm::ivec3& at) {
 
 bool is_partly_covered(double coverage) { return coverage > kWhole && coverage < 1 - kWhole; }
 
-bool is_near_surface(const SignedSamples& samples, const glm::ivec3& at) {
-  if (borders_other_side(samples, at)) return true;
+bool is_cut_by_surface(const SignedSamples& samples, const glm::ivec3& at) {
   if (!is_partly_covered(coverage_at(samples, at))) return false;
   const bool inside = samples.inside(samples.number(at));
   for (int n = 0; n < 27; ++n) {

@@ -38,9 +38,10 @@ struct SurfacePatch {
 // Neither whole nor empty, to half a grey level of 256.
 [[nodiscard]] bool is_partly_covered(double coverage);
 
-// Whether the surface may pass the voxel around a sample: it is covered in part, or beside one on
-// the other side, and coverage passes one half between it and its 26 neighbours.
-[[nodiscard]] bool is_near_surface(const SignedSamples& samples, const glm::ivec3& at);
+// Whether the voxel around a sample is covered in part and coverage passes one half between it and
+// its 26 neighbours. The surface may pass such voxels, and those that are beside one on the other
+// side along an axis.
+[[nodiscard]] bool is_cut_by_surface(const SignedSamples& samples, const glm::ivec3& at);
 
 // The patch of such a voxel; nothing if the surface passes it not, or the middle of its column in a
 // neighbour.
