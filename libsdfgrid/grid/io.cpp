@@ -9,6 +9,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "sdfgrid/core/atomic_file.h"
@@ -78,11 +80,22 @@ bool is_paint(const openvdb::GridBase& grid) {
   return grid.getName() == kPaintName && grid.isType<openvdb::Int32Grid>();
 }
 
+// By its name or, if that is another, by the word that it begins with.
+bool is_nanovdb(const std::string& path) {
+  char word[7] = {};
+  std::ifstream(path, std::ios::binary).read(word, sizeof word);
+  return path.ends_with(".nvdb") || std::string_view(word, sizeof word) == "NanoVDB";
+}
+
 // The grid of the file that suits best, with its paint.
 Grid read_best(const std::string& path, int (*score_of)(const openvdb::GridBase& grid)) {
   openvdb::initialize();
   if (!std::filesystem::exists(path)) {
     throw input_error(path, "", "no such file", "check the path");
+  }
+  if (is_nanovdb(path)) {
+    throw input_error(path, "", "it is a NanoVDB file, which is written, but not read",
+                      "give the .vdb of the same");
   }
   openvdb::GridBase::Ptr best;
   openvdb::GridBase::Ptr paint;

@@ -140,6 +140,15 @@ TEST_F(VolumeCommand, WhatIsOnlyWrittenIsSaidToBe) {
     EXPECT_EQ(outcome.exit, 4) << name;
     EXPECT_NE(outcome.error.find("written, but not read"), std::string::npos) << outcome.error;
   }
+  // Whatever it is called, and where a grid is asked for.
+  const std::string renamed = folder_.write("b.vdb", "NanoVDB0 and so on");
+  const std::string scene = folder_.write(
+      "s.yaml", "sdfgrid: 1\nscene:\n  - grid: {file: " + folder_.path("a.nvdb") + "}\n");
+  for (const std::string& name : {renamed, scene}) {
+    const Outcome outcome = run({"info", name});
+    EXPECT_EQ(outcome.exit, 4) << name;
+    EXPECT_NE(outcome.error.find("written, but not read"), std::string::npos) << outcome.error;
+  }
   const Outcome outcome = run({"sample", ball_, "-o", folder_.path("s.npy"), "--random", "9"});
   EXPECT_EQ(outcome.exit, 4);
   EXPECT_NE(outcome.error.find("volume"), std::string::npos) << outcome.error;
