@@ -19,9 +19,13 @@
 namespace sdfgrid {
 namespace {
 
-constexpr std::size_t kTogether = 4096;  // bricks whose new values are in memory at once
-constexpr std::size_t kGrain = 16;       // bricks a thread takes at a time
+// Bricks whose new values are in memory at once: for several threads, and for one, which finds them
+// in its cache when they are written.
+constexpr std::size_t kTogether = 4096;
+constexpr std::size_t kFew = 4;
+constexpr std::size_t kGrain = 16;  // bricks a thread takes at a time
 constexpr std::size_t kTooFewToShare = 64;
+constexpr std::size_t kAhead = 3;  // bricks that are asked for while one is worked on
 
 IndexBox default_range(const Grid& grid) {
   IndexBox box;
@@ -95,6 +99,7 @@ class Sculptor::Pass {
         (std::max(sculptor_.limits_.outside, -sculptor_.limits_.inside) + 1.25 * stroke_.smooth) /
         voxel;
     limits.max_bricks = sculptor_.options_.max_bricks;
+    margin_ = limits.margin;
     plan_ = plan_stroke(stroke_, sculptor_.grid_.lattice(), limits);
     if (stroke_.op == StrokeOp::intersect) add_bricks_beyond();
     if (stroke_.op == StrokeOp::flatten) find_normals();
@@ -104,6 +109,7 @@ class Sculptor::Pass {
       record_.exchange(sculptor_.bricks_);
       throw;
     }
+    sculptor_.bricks_.finish();
     report_.dabs = plan_.dabs;
     report_.warnings = plan_.warnings;
     report_.bricks_touched = record_.size();
@@ -120,6 +126,7 @@ class Sculptor::Pass {
   }
   void add_bricks_beyond();
   void combine();
+  void find_candidates();
   void combine(std::size_t begin, std::size_t end);
   void shape();
   void shape(const ClayDab& dab, const std::vector<glm::ivec3>& bricks);
@@ -127,6 +134,7 @@ class Sculptor::Pass {
   void find_normals();
   void commit(const BrickEdit& edit);
   void remember(const glm::ivec3& brick, const GridBrick& now);
+  bool reaches(const PlannedBrick& planned) const;
   EditContext context() const {
     return {sculptor_.bricks_, sculptor_.grid_.lattice(), sculptor_.limits_,
             sculptor_.options_.range};
@@ -138,6 +146,12 @@ class Sculptor::Pass {
   const Stroke& stroke_;
   const Job& job_;
   StrokePlan plan_;
+  double margin_ = 0;  // voxels beyond the brush that it may change
+  struct Candidate {
+    const PlannedBrick* planned;
+    GridBrick before;
+  };
+  std::vector<Candidate> candidates_;
   UndoRecord record_;
   std::unordered_set<std::uint64_t> remembered_;  // bricks in the record, where they may come twice
   std::vector<RedistanceTask> tasks_;
@@ -167,35 +181,60 @@ void Sculptor::Pass::add_bricks_beyond() {
 }
 
 void Sculptor::Pass::combine() {
-  for (std::size_t begin = 0; begin < plan_.bricks.size(); begin += kTogether) {
-    combine(begin, std::min(begin + kTogether, plan_.bricks.size()));
+  find_candidates();
+  record_.reserve(candidates_.size());
+  const bool shared = candidates_.size() > kTooFewToShare && thread_count() > 1;
+  const std::size_t together = shared ? kTogether : kFew;
+  for (std::size_t begin = 0; begin < candidates_.size(); begin += together) {
+    combine(begin, std::min(begin + together, candidates_.size()));
   }
   remeasure();
 }
 
-// Combines some of the planned bricks and writes them into the grid.
+// The planned bricks that the stroke may change.
+void Sculptor::Pass::find_candidates() {
+  const GridBricks& bricks = sculptor_.bricks_;
+  for (const PlannedBrick& planned : plan_.bricks) bricks.fetch_place(planned.brick);
+  for (const PlannedBrick& planned : plan_.bricks) bricks.fetch(planned.brick);
+  const bool no_suspects = sculptor_.options_.redistance == Redistance::off;
+  candidates_.reserve(plan_.bricks.size());
+  for (const PlannedBrick& planned : plan_.bricks) {
+    const GridBrick before = bricks.find(planned.brick);
+    if (cannot_change(stroke_.op, before, sculptor_.limits_)) continue;
+    if ((before.values == nullptr || no_suspects) && !reaches(planned)) continue;
+    candidates_.push_back({&planned, before});
+  }
+}
+
+// Whether the brush may change samples of the brick itself: of a ball, not the surface in it only.
+// Samples further from it may be suspects.
+bool Sculptor::Pass::reaches(const PlannedBrick& planned) const {
+  if (stroke_.op == StrokeOp::intersect || stroke_.brush.shape) return true;
+  if (planned.end - planned.begin != 1) return true;
+  const Placement& ball = plan_.placements[plan_.reaching[planned.begin]];
+  if (ball.from != ball.to) return true;
+  const glm::dvec3 first = 8.0 * glm::dvec3(planned.brick);
+  const glm::dvec3 nearest = glm::clamp(ball.from, first, first + 7.0);
+  const double reach = std::max(ball.radius_from, ball.radius_to) + margin_;
+  const glm::dvec3 away = ball.from - nearest;
+  return glm::dot(away, away) <= reach * reach;
+}
+
+// Combines some of the candidates and writes them into the grid.
 void Sculptor::Pass::combine(std::size_t begin, std::size_t end) {
-  std::vector<const PlannedBrick*> planned;
   std::vector<BrickEdit>& edits = sculptor_.edits_;
   if (edits.size() < end - begin) edits.resize(end - begin);
-  for (std::size_t i = begin; i < end; ++i) {
-    const GridBrick before = sculptor_.bricks_.find(plan_.bricks[i].brick);
-    if (cannot_change(stroke_.op, before, sculptor_.limits_)) continue;
-    edits[planned.size()].brick = plan_.bricks[i].brick;
-    edits[planned.size()].before = before;
-    planned.push_back(&plan_.bricks[i]);
-  }
   const EditContext context = this->context();
-  for_bricks(planned.size(), job_, [&](std::size_t from, std::size_t to) {
+  for_bricks(end - begin, job_, [&](std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i) {
-      if (i + 1 < to) fetch(edits[i + 1].before);
-      combine_brick(stroke_, plan_, *planned[i], context, edits[i]);
+      const std::size_t at = begin + i;
+      if (at + kAhead < candidates_.size()) fetch(candidates_[at + kAhead].before);
+      edits[i].brick = candidates_[at].planned->brick;
+      edits[i].before = candidates_[at].before;
+      combine_brick(stroke_, plan_, *candidates_[at].planned, context, edits[i]);
     }
   });
-  std::size_t changed = 0;
-  for (std::size_t i = 0; i < planned.size(); ++i) changed += edits[i].made.any_changed ? 1 : 0;
-  record_.reserve(record_.size() + changed);
-  for (std::size_t i = 0; i < planned.size(); ++i) commit(edits[i]);
+  for (std::size_t i = 0; i < end - begin; ++i) commit(edits[i]);
 }
 
 // The dabs of a clay tool one after the other, each on what the last one left.
@@ -266,6 +305,8 @@ void Sculptor::Pass::find_normals() {
 
 // Puts a brick into the record if it is not there yet.
 void Sculptor::Pass::remember(const glm::ivec3& brick, const GridBrick& now) {
+  const bool once = is_csg(stroke_.op) && sculptor_.options_.redistance == Redistance::off;
+  if (once) return record_.add(brick, now);
   constexpr int kBits = 21;
   constexpr std::uint64_t kMask = (std::uint64_t{1} << kBits) - 1;
   const std::uint64_t key = (static_cast<std::uint64_t>(brick.x) & kMask) << 2 * kBits |
@@ -284,7 +325,7 @@ void Sculptor::Pass::commit(const BrickEdit& edit) {
                   made.all_inside ? sculptor_.limits_.inside : sculptor_.limits_.outside);
       return;
     }
-    const GridBrick now = bricks.make(edit.brick);
+    const GridBrick now = bricks.make_unset(edit.brick);
     std::memcpy(now.values, edit.after, sizeof edit.after);
     std::memcpy(now.active, made.active, sizeof made.active);
   }

@@ -61,19 +61,21 @@ std::vector<T> unpack_vector(std::span<const std::byte>& in) {
 
 }  // namespace
 
-void UndoRecord::reserve(std::size_t bricks) {
-  states_.reserve(bricks);
-  values_.reserve(bricks * kBrickSamples);
-  active_.reserve(bricks * kBrickWords);
+void UndoRecord::reserve(std::size_t bricks) { states_.reserve(bricks); }
+
+std::size_t UndoRecord::add_slot() {
+  if (slots_ % Chunk::kSlots == 0) chunks_.push_back(std::make_unique_for_overwrite<Chunk>());
+  return slots_++;
 }
 
 void UndoRecord::store(State& state, const GridBrick& now) {
   state.slot = -1;
   state.constant = now.constant;
   if (now.values == nullptr) return;
-  state.slot = static_cast<std::int32_t>(values_.size() / kBrickSamples);
-  values_.insert(values_.end(), now.values, now.values + kBrickSamples);
-  active_.insert(active_.end(), now.active, now.active + kBrickWords);
+  const std::size_t slot = add_slot();
+  state.slot = static_cast<std::int32_t>(slot);
+  std::copy(now.values, now.values + kBrickSamples, values(slot));
+  std::copy(now.active, now.active + kBrickWords, active(slot));
 }
 
 void UndoRecord::add(const glm::ivec3& brick, const GridBrick& now) {
@@ -100,12 +102,12 @@ void UndoRecord::exchange(GridBricks& grid) {
       grid.drop(state.brick, state.constant);
       continue;
     }
-    const GridBrick brick = grid.make(state.brick);
-    std::memcpy(brick.values, values_.data() + std::size_t(state.slot) * kBrickSamples,
-                sizeof(float) * kBrickSamples);
-    std::memcpy(brick.active, active_.data() + std::size_t(state.slot) * kBrickWords,
-                sizeof(std::uint64_t) * kBrickWords);
+    const GridBrick brick = grid.make_unset(state.brick);
+    const auto slot = static_cast<std::size_t>(state.slot);
+    std::copy(values(slot), values(slot) + kBrickSamples, brick.values);
+    std::copy(active(slot), active(slot) + kBrickWords, brick.active);
   }
+  grid.finish();
   for (const State& state : painted_) other.add_paint(state.brick, grid.paint(state.brick));
   for (const State& state : painted_) {
     const std::size_t first = std::size_t(std::max(state.slot, 0)) * kBrickSamples;
@@ -123,16 +125,22 @@ std::vector<glm::ivec3> UndoRecord::bricks() const {
 }
 
 std::size_t UndoRecord::bytes() const {
-  return sizeof *this + states_.capacity() * sizeof(State) + values_.capacity() * sizeof(float) +
-         active_.capacity() * sizeof(std::uint64_t) + painted_.capacity() * sizeof(State) +
-         materials_.capacity() * sizeof(std::int32_t);
+  return sizeof *this + states_.capacity() * sizeof(State) +
+         chunks_.size() * (sizeof(Chunk) + sizeof chunks_[0]) +
+         painted_.capacity() * sizeof(State) + materials_.capacity() * sizeof(std::int32_t);
 }
 
 std::vector<std::byte> UndoRecord::pack() const {
   std::vector<std::byte> out;
+  std::vector<float> all_values;
+  std::vector<std::uint64_t> all_active;
+  for (std::size_t i = 0; i < slots_; ++i) {
+    all_values.insert(all_values.end(), values(i), values(i) + kBrickSamples);
+    all_active.insert(all_active.end(), active(i), active(i) + kBrickWords);
+  }
   pack_vector(states_, out);
-  pack_vector(values_, out);
-  pack_vector(active_, out);
+  pack_vector(all_values, out);
+  pack_vector(all_active, out);
   pack_vector(painted_, out);
   pack_vector(materials_, out);
   out.shrink_to_fit();
@@ -142,8 +150,13 @@ std::vector<std::byte> UndoRecord::pack() const {
 UndoRecord UndoRecord::unpack(std::span<const std::byte> packed) {
   UndoRecord record;
   record.states_ = unpack_vector<State>(packed);
-  record.values_ = unpack_vector<float>(packed);
-  record.active_ = unpack_vector<std::uint64_t>(packed);
+  const auto all_values = unpack_vector<float>(packed);
+  const auto all_active = unpack_vector<std::uint64_t>(packed);
+  for (std::size_t at = 0; at < all_values.size() / kBrickSamples; ++at) {
+    const std::size_t slot = record.add_slot();
+    std::copy_n(all_values.data() + at * kBrickSamples, kBrickSamples, record.values(slot));
+    std::copy_n(all_active.data() + at * kBrickWords, kBrickWords, record.active(slot));
+  }
   record.painted_ = unpack_vector<State>(packed);
   record.materials_ = unpack_vector<std::int32_t>(packed);
   return record;

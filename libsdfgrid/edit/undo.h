@@ -20,7 +20,7 @@ namespace sdfgrid {
 
 class UndoRecord {
  public:
-  void reserve(std::size_t bricks);
+  void reserve(std::size_t bricks);  // at most about so many are added
   // Adds the state of a brick as it is now. Each brick once.
   void add(const glm::ivec3& brick, const GridBrick& now);
   // The same of its paint: GridBricks::paint().
@@ -42,11 +42,25 @@ class UndoRecord {
     float constant;     // if it has no samples
     std::int32_t slot;  // of its samples, -1 for none
   };
+  // The samples of some slots, so that a record grows without being copied and without memory that
+  // it does not need.
+  struct Chunk {
+    static constexpr std::size_t kSlots = 4;
+    float values[kSlots][kBrickSamples];
+    std::uint64_t active[kSlots][kBrickWords];
+  };
   void store(State& state, const GridBrick& now);
+  std::size_t add_slot();
+  float* values(std::size_t slot) const {
+    return chunks_[slot / Chunk::kSlots]->values[slot % Chunk::kSlots];
+  }
+  std::uint64_t* active(std::size_t slot) const {
+    return chunks_[slot / Chunk::kSlots]->active[slot % Chunk::kSlots];
+  }
 
   std::vector<State> states_;
-  std::vector<float> values_;          // kBrickSamples a slot
-  std::vector<std::uint64_t> active_;  // kBrickWords a slot
+  std::vector<std::unique_ptr<Chunk>> chunks_;
+  std::size_t slots_ = 0;
   std::vector<State> painted_;
   std::vector<std::int32_t> materials_;  // kBrickSamples a slot
 };

@@ -193,29 +193,29 @@ void Builder::fill(const openvdb::tree::ValueAccessor<const Tree>& values, const
     const Leaf* leaf = leaf_at(at);
     const float* from = leaf != nullptr ? leaf->buffer().data() : nullptr;
     const float tile = leaf == nullptr ? values.getValue(corner(atlas_.lo + at)) : 0.0F;
-    copy_part(from, tile, n, out);
+    copy_part(from, tile, 1 / atlas_.lattice.voxel, n, out);
   }
-  atlas_kernel().scale(out, 1 / atlas_.lattice.voxel, Atlas::kSamples, out);
 }
 
 // Orders the bricks so that the crossing ones, which are all that rays look at, come first.
 void Builder::crossing_first() {
-  std::vector<BrickRange> ranges(slots_.size());
+  std::vector<BrickRange> ranges(slots_.size(), BrickRange(SampleSurvey{}));
   parallel_for(slots_.size(), 64, job_, [&](std::size_t begin, std::size_t end) {
     const openvdb::tree::ValueAccessor<const Tree> values(tree_);
-    float samples[Atlas::kSamples];
+    float samples[Atlas::kSamples] = {};
     for (std::size_t i = begin; i < end; ++i) {
       fill(values, slots_[i], samples);
-      ranges[i] = brick_range(samples);
+      SampleSurvey survey;
+      atlas_kernel().survey(samples, 0, survey);
+      ranges[i] = BrickRange(survey);
     }
   });
   for (const BrickRange& range : ranges) atlas_.slope = std::max(atlas_.slope, range.slope);
   const float margin = atlas_.margin();
   std::vector<std::size_t> order(slots_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto rest = std::stable_partition(order.begin(), order.end(), [&](std::size_t i) {
-    return !ranges[i].finite || (ranges[i].low <= margin && ranges[i].high >= -margin);
-  });
+  const auto rest = std::stable_partition(
+      order.begin(), order.end(), [&](std::size_t i) { return ranges[i].crossing(margin); });
   atlas_.crossing = static_cast<std::int32_t>(rest - order.begin());
   order_ = std::move(order);
 }
@@ -229,7 +229,9 @@ void Builder::fill_bricks() {
       float* samples = atlas_.samples.data() + i * Atlas::kSamples;
       fill(values, slots_[order_[i]], samples);
       if (i < std::size_t(atlas_.crossing)) {
-        fill_hops(samples, atlas_.margin(), atlas_.hops.data() + i * Atlas::kHops);
+        SampleSurvey survey;
+        atlas_kernel().survey(samples, atlas_.margin(), survey);
+        atlas_kernel().hops(survey.crossing, atlas_.hops.data() + i * Atlas::kHops);
       }
     }
   });

@@ -26,7 +26,7 @@ struct Atlas {
   static constexpr int kSamples = kEdge * kEdge * kEdge;  // z fastest: (x * 9 + y) * 9 + z
   static constexpr int kOctants = 8;
   // A jump is no longer, so that an edit changes none further away (grid/live_atlas.h).
-  static constexpr int kMostJump = 31;
+  static constexpr int kMostJump = 15;
   static constexpr int kHops = kOctants * kBrick * kBrick;  // words a brick
   static constexpr std::int32_t kOutside = -1;  // in `bricks`: no brick, the field is positive
   static constexpr std::int32_t kInside = -2;   // in `bricks`: no brick, the field is negative

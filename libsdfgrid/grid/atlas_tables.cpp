@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <iterator>
 
+#include "sdfgrid/core/memory.h"
 #include "sdfgrid/core/parallel.h"
-#include "sdfgrid/grid/atlas_kernel.h"
 
 namespace sdfgrid {
 namespace {
-
-constexpr int kEdge = Atlas::kEdge;
 
 // One octant of Atlas::jumps: one more than the smallest of the seven slots ahead.
 class JumpTable {
@@ -59,38 +57,23 @@ class JumpTable {
 
 }  // namespace
 
-void copy_part(const float* from, float constant, int part, float* samples) {
-  const glm::ivec3 step(part >> 2, part >> 1 & 1, part & 1);
-  const glm::ivec3 count = 8 - 7 * step;
-  float* first = samples + 8 * ((step.x * kEdge + step.y) * kEdge + step.z);
-  for (int x = 0; x < count.x; ++x) {
-    for (int y = 0; y < count.y; ++y) {
-      float* to = first + (x * kEdge + y) * kEdge;
-      if (from == nullptr) {
-        std::fill(to, to + count.z, constant);
-      } else if (count.z == 8) {
-        std::memcpy(to, from + (x << 6 | y << 3), 8 * sizeof(float));
-      } else {
-        *to = from[x << 6 | y << 3];
-      }
-    }
-  }
+bool copy_part(const float* from, float constant, double factor, int part, float* samples) {
+  if (from != nullptr) return atlas_kernel().copy(from, factor, part, samples);
+  float same[8 * 8 * 8];
+  std::fill(std::begin(same), std::end(same), constant);
+  return atlas_kernel().copy(same, factor, part, samples);
 }
 
-BrickRange brick_range(const float* samples) {
-  SampleRange range;
-  atlas_kernel().range(samples, range);
+BrickRange::BrickRange(const SampleSurvey& survey) : low(survey.low), high(survey.high) {
   // A partial derivative is a mean of differences along edges of its direction.
-  const float* d = range.step;
-  return {range.low, range.high, std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), range.finite};
-}
-
-void fill_hops(const float* samples, float margin, std::uint32_t* hops) {
-  atlas_kernel().hops(samples, margin, hops);
+  const float* d = survey.step;
+  slope = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 }
 
 void fill_jumps(Atlas& atlas, const Job& job) {
   const std::size_t slots = atlas.bricks.size();
+  atlas.jumps.reserve(Atlas::kOctants * slots);
+  prefer_large_pages(atlas.jumps.data(), atlas.jumps.capacity());
   atlas.jumps.resize(Atlas::kOctants * slots);
   parallel_for(Atlas::kOctants, 1, job, [&](std::size_t begin, std::size_t end) {
     for (std::size_t octant = begin; octant < end; ++octant) {

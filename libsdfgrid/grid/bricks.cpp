@@ -10,6 +10,7 @@ namespace {
 
 using Tree = openvdb::FloatTree;
 using Leaf = Tree::LeafNodeType;
+using Node = Tree::RootNodeType::ChildNodeType::ChildNodeType;  // the leaves' parent
 
 openvdb::Coord corner(const glm::ivec3& brick) { return {brick.x * 8, brick.y * 8, brick.z * 8}; }
 
@@ -19,9 +20,10 @@ GridBrick view(Leaf& leaf) {
 
 }  // namespace
 
+// Remembers inner nodes only, which drop() leaves in place, and no leaves, which it deletes.
 struct GridBricks::Access {
   explicit Access(Tree& tree) : values(tree) {}
-  openvdb::tree::ValueAccessor<Tree> values;
+  openvdb::tree::ValueAccessor2<Tree, true, 1, 2> values;
 };
 
 GridBricks::GridBricks(const Grid& grid)
@@ -33,19 +35,55 @@ GridBricks::~GridBricks() = default;
 
 GridBrick GridBricks::find(const glm::ivec3& brick) const {
   const openvdb::Coord at = corner(brick);
-  if (Leaf* leaf = access_->values.probeLeaf(at)) return view(*leaf);
-  return {nullptr, nullptr, access_->values.getValue(at)};
+  const Node* node = access_->values.probeNode<Node>(at);
+  if (node == nullptr) return {nullptr, nullptr, access_->values.getValue(at)};
+  const openvdb::Index place = Node::coordToOffset(at);
+  const auto& entry = node->getTable()[place];
+  if (node->isChildMaskOn(place)) return view(*entry.getChild());
+  return {nullptr, nullptr, entry.getValue()};
+}
+
+void GridBricks::fetch_place(const glm::ivec3& brick) const {
+  const openvdb::Coord at = corner(brick);
+  const Node* node = access_->values.probeNode<Node>(at);
+  if (node == nullptr) return;
+  const openvdb::Index place = Node::coordToOffset(at);
+  __builtin_prefetch(&node->getTable()[place]);
+  __builtin_prefetch(reinterpret_cast<const char*>(&node->getChildMask()) + place / 8);
+}
+
+void GridBricks::fetch(const glm::ivec3& brick) const {
+  const openvdb::Coord at = corner(brick);
+  const Node* node = access_->values.probeNode<Node>(at);
+  if (node == nullptr) return;
+  const openvdb::Index place = Node::coordToOffset(at);
+  if (!node->isChildMaskOn(place)) return;
+  constexpr std::size_t kLine = 64;
+  const auto* leaf = reinterpret_cast<const char*>(node->getTable()[place].getChild());
+  for (std::size_t i = 0; i < sizeof(Leaf); i += kLine) __builtin_prefetch(leaf + i);
 }
 
 GridBrick GridBricks::make(const glm::ivec3& brick) {
   return view(*access_->values.touchLeaf(corner(brick)));
 }
 
+GridBrick GridBricks::make_unset(const glm::ivec3& brick) {
+  const GridBrick now = find(brick);
+  if (now.values != nullptr) return now;
+  auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), corner(brick));
+  leaf->allocate();
+  access_->values.addLeaf(leaf.get());
+  return view(*leaf.release());
+}
+
 void GridBricks::drop(const glm::ivec3& brick, float value) {
-  // Not through an accessor, and all of them forget: any may remember the leaf that is deleted
-  // here.
-  access_->values.tree().addTile(1, corner(brick), value, false);
-  access_->values.tree().clearAllAccessors();
+  access_->values.addTile(1, corner(brick), value, false);
+  dropped_ = true;
+}
+
+void GridBricks::finish() {
+  if (dropped_) access_->values.tree().clearAllAccessors();
+  dropped_ = false;
 }
 
 const std::int32_t* GridBricks::paint(const glm::ivec3& brick) const {

@@ -33,10 +33,18 @@ class GridBricks {
 
   // `brick` is the sample's index >> 3.
   [[nodiscard]] GridBrick find(const glm::ivec3& brick) const;
+  // Ask for what find() will read, ahead of time: first the one for all bricks, then the other.
+  void fetch_place(const glm::ivec3& brick) const;
+  void fetch(const glm::ivec3& brick) const;
   // As find, but where there was a constant there are samples of it now.
   [[nodiscard]] GridBrick make(const glm::ivec3& brick);
+  // The same for who writes all its samples and states: they are not set where it is new.
+  [[nodiscard]] GridBrick make_unset(const glm::ivec3& brick);
   // Puts one inactive value in place of the brick.
   void drop(const glm::ivec3& brick, float value);
+  // To be called after the last drop, before anybody else reads the grid: makes OpenVDB's accessors
+  // forget what was dropped, any of which may remember it.
+  void finish();
 
   // The materials of its kBrickSamples samples (grid/paint.h); null where none is painted. Good
   // until that brick is painted again.
@@ -48,6 +56,7 @@ class GridBricks {
   struct Access;
   Grid grid_;
   std::unique_ptr<Access> access_;
+  bool dropped_ = false;
 };
 
 // Samples from lo to hi, both included; empty while lo > hi.

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstring>
 #include <glm/common.hpp>
+#include <iterator>
 #include <limits>
-#include <tuple>
 
 #include "sdfgrid/grid/atlas_kernel.h"
 #include "sdfgrid/grid/atlas_tables.h"
@@ -18,34 +19,51 @@ constexpr std::size_t kSamples = Atlas::kSamples;
 constexpr std::size_t kHops = Atlas::kHops;
 
 // Of a row of jumps makes those up to `limit` no longer than their Chebyshev distance, max(least,
-// place). Returns the end of those that were.
-int shorten_row(std::uint8_t* row, int step, int limit, int least) {
-  int end = 0;
+// place). Returns whether any was longer.
+bool shorten_row(std::uint8_t* row, int step, int limit, int least) {
+  constexpr int kRow = Atlas::kMostJump + 1;
+  using Bytes [[gnu::vector_size(kRow)]] = std::uint8_t;
+  static_assert(kRow == 16, "a row is one vector");
+  if (limit == Atlas::kMostJump) {
+    constexpr Bytes kUp = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    constexpr Bytes kDown = {15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0};
+    std::uint8_t* first = step > 0 ? row : row - Atlas::kMostJump;
+    const Bytes place = step > 0 ? kUp : kDown;
+    const Bytes floor = Bytes{} + static_cast<std::uint8_t>(least);
+    const Bytes most = place > floor ? place : floor;
+    Bytes jumps;
+    std::memcpy(&jumps, first, sizeof jumps);
+    const auto longer = (Bytes)(jumps > most);
+    std::uint64_t words[2];
+    std::memcpy(words, &longer, sizeof words);
+    if ((words[0] | words[1]) == 0) return false;
+    jumps = longer ? most : jumps;
+    std::memcpy(first, &jumps, sizeof jumps);
+    return true;
+  }
+  bool any = false;
   for (int z = 0; z <= limit; ++z) {
     std::uint8_t& jump = row[z * step];
     const int most = std::max(least, z);
-    if (jump <= most) continue;
-    jump = static_cast<std::uint8_t>(most);
-    end = z + 1;
+    any = any || jump > most;
+    jump = static_cast<std::uint8_t>(std::min<int>(jump, most));
   }
-  return end;
+  return any;
 }
 
-// Whether the samples of a part all lie beyond the margin, on the inside or on the outside.
-bool is_beyond(const float* samples, int part, bool inside, float margin) {
-  const glm::ivec3 step(part >> 2, part >> 1 & 1, part & 1);
-  const glm::ivec3 count = 8 - 7 * step;
-  const float sign = inside ? -1.0F : 1.0F;
-  for (int x = 0; x < count.x; ++x) {
-    for (int y = 0; y < count.y; ++y) {
-      const float* row =
-          samples + ((x + 8 * step.x) * Atlas::kEdge + y + 8 * step.y) * Atlas::kEdge + 8 * step.z;
-      bool beyond = true;
-      for (int z = 0; z < count.z; ++z) beyond = beyond && sign * row[z] > margin;
-      if (!beyond) return false;
-    }
-  }
-  return true;
+// The samples of a leaf that are part n of a brick, as the words of a set.
+std::uint64_t part_of_word(int part, int x) {
+  if ((part & 4) != 0 && x != 0) return 0;
+  std::uint64_t word = ~std::uint64_t{0};
+  if ((part & 2) != 0) word &= 0xff;
+  if ((part & 1) != 0) word &= 0x0101010101010101U;
+  return word;
+}
+
+void fetch_lines(const void* begin, std::size_t bytes) {
+  constexpr std::size_t kLine = 64;
+  const auto* at = static_cast<const char*>(begin);
+  for (std::size_t i = 0; i < bytes; i += kLine) __builtin_prefetch(at + i, 1);
 }
 
 }  // namespace
@@ -60,7 +78,6 @@ void LiveAtlas::adopt() {
   owner_.assign(atlas_.samples.size() / kSamples, kNobody);
   free_crossing_.clear();
   free_other_.clear();
-  marks_.assign(atlas_.bricks.size(), Stale::no);
   for (std::size_t place = 0; place < atlas_.bricks.size(); ++place) {
     if (atlas_.bricks[place] >= 0) owner_[std::size_t(atlas_.bricks[place])] = place;
   }
@@ -72,135 +89,143 @@ bool LiveAtlas::within(const glm::ivec3& slot) const {
 }
 
 void LiveAtlas::refresh(std::span<const glm::ivec3> changed, const Job& job) {
-  stale_.clear();
-  bool fits = true;
-  for (std::size_t i = 0; i < changed.size(); ++i) {
-    if (i + 1 < changed.size()) fetch(changed[i + 1] - atlas_.lo);
-    fits = copy_brick(changed[i]) && fits;
-  }
-  if (!fits) {
+  if (!collect(changed)) {
     atlas_ = make_atlas(grid_, job);
     return adopt();
   }
-  for (std::size_t i = 0; i < stale_.size(); ++i) {
-    if (i + 1 < stale_.size()) fetch(stale_[i + 1]);
-    Stale& mark = marks_[atlas_.place(stale_[i])];
-    mark == Stale::all ? refresh_slot(stale_[i]) : refresh_slope(stale_[i]);
-    mark = Stale::no;
+  appeared_.clear();
+  vanished_.clear();
+  constexpr std::size_t kAhead = 3;
+  for (std::size_t i = 0; i < std::min(kAhead, targets_.size()); ++i)
+    fetch(atlas_.bricks[targets_[i].place]);
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    if (i + kAhead < targets_.size()) fetch(atlas_.bricks[targets_[i + kAhead].place]);
+    update(targets_[i]);
   }
+  for (std::size_t i = 0; i < appeared_.size(); ++i) {
+    if (i + 1 < appeared_.size()) fetch_jumps(appeared_[i + 1]);
+    shorten_jumps(appeared_[i]);
+  }
+  for (const glm::ivec3& slot : vanished_) lengthen_jumps(slot);
 }
 
-// Copies what changed of a brick to where the atlas has it, in its own slot and those before it.
-// Marks those as stale of which the tables may say something else now. Returns whether all slots
-// that are needed exist.
-bool LiveAtlas::copy_brick(const glm::ivec3& brick) {
-  GridBrick now = bricks_.find(brick);
-  const double per_voxel = 1 / atlas_.lattice.voxel;
-  alignas(64) float voxels[kBrickSamples];
-  PartRanges parts;
-  if (now.values != nullptr) {
-    atlas_kernel().scale(now.values, per_voxel, kBrickSamples, voxels);
-    atlas_kernel().parts(voxels, parts);
-    now.values = voxels;
-  } else {
-    now.constant = static_cast<float>(now.constant * per_voxel);
-    for (int n = 0; n < 8; ++n) parts.low[n] = parts.high[n] = now.constant;
+// Finds the bricks and the slots that have samples of them. Returns whether all slots that are
+// needed exist.
+bool LiveAtlas::collect(std::span<const glm::ivec3> changed) {
+  sources_.clear();
+  targets_.clear();
+  found_.assign(std::bit_ceil(16 * changed.size() + 1), -1);
+  for (const glm::ivec3& brick : changed) {
+    const auto source = static_cast<std::int32_t>(sources_.size());
+    sources_.push_back({bricks_.find(brick), {}});
+    for (int n = 0; n < 8; ++n) {
+      const glm::ivec3 slot = brick - atlas_.lo - glm::ivec3(n >> 2, n >> 1 & 1, n & 1);
+      if (within(slot)) {
+        target_at(slot).from[n] = source;
+      } else if (bricks_.find(slot + atlas_.lo).values != nullptr) {
+        return false;
+      }
+    }
   }
-  for (int n = 0; n < 8; ++n) {
-    const glm::ivec3 slot = brick - atlas_.lo - glm::ivec3(n >> 2, n >> 1 & 1, n & 1);
-    if (!within(slot)) {
-      if (bricks_.find(slot + atlas_.lo).values != nullptr) return false;
-      continue;
+  for (Source& source : sources_) {
+    if (source.now.values != nullptr) {
+      atlas_kernel().negatives(source.now.values, source.negative);
+    } else if (source.now.constant < 0) {
+      std::fill(std::begin(source.negative), std::end(source.negative), ~std::uint64_t{0});
     }
-    const Stale stale = n == 0 ? Stale::all : staleness(slot, parts, n);
-    const std::size_t place = atlas_.place(slot);
-    if (const std::int32_t at = atlas_.bricks[place]; at >= 0) {
-      copy_part(now.values, now.constant, n, atlas_.samples.data() + std::size_t(at) * kSamples);
-    }
-    if (stale == Stale::no) continue;
-    if (marks_[place] == Stale::no) stale_.push_back(slot);
-    marks_[place] = std::max(marks_[place], stale);
   }
   return true;
 }
 
-// What the tables may say wrongly of a slot once it gets part n of a brick. As long as all samples
-// of the part stay on one side, well away from zero, no cell begins or ceases to be crossing.
-LiveAtlas::Stale LiveAtlas::staleness(const glm::ivec3& slot, const PartRanges& parts,
-                                      int n) const {
-  const std::int32_t at = atlas_.bricks[atlas_.place(slot)];
-  const float margin = atlas_.margin();
-  const bool inside = parts.high[n] < -margin;
-  if (!inside && !(parts.low[n] > margin)) return Stale::all;
-  if (at < 0) return inside == (at == Atlas::kInside) ? Stale::no : Stale::all;
-  const float* samples = atlas_.samples.data() + std::size_t(at) * kSamples;
-  if (at >= atlas_.crossing) return inside == (samples[0] < 0) ? Stale::no : Stale::all;
-  return is_beyond(samples, n, inside, margin) ? Stale::slope : Stale::all;
-}
-
-// Asks for a slot's data ahead of time: most of the work is waiting for memory.
-void LiveAtlas::fetch(const glm::ivec3& slot) const {
-  if (!within(slot)) return;
-  const std::int32_t at = atlas_.bricks[atlas_.place(slot)];
-  if (at < 0) return;
-  constexpr std::size_t kLine = 16;  // floats
-  const float* samples = atlas_.samples.data() + std::size_t(at) * kSamples;
-  for (std::size_t i = 0; i < kSamples; i += kLine) __builtin_prefetch(samples + i, 1);
-  if (at >= atlas_.crossing) return;
-  const std::uint32_t* hops = atlas_.hops.data() + std::size_t(at) * kHops;
-  for (std::size_t i = 0; i < kHops; i += kLine) __builtin_prefetch(hops + i, 1);
-}
-
-// Copies all samples of a slot's cells; returns whether it has samples of its own.
-bool LiveAtlas::gather(const glm::ivec3& slot, float* samples) const {
-  bool has_samples = false;
-  for (int n = 0; n < 8; ++n) {
-    const glm::ivec3 step(n >> 2, n >> 1 & 1, n & 1);
-    const GridBrick from = bricks_.find(atlas_.lo + slot + step);
-    if (n == 0) has_samples = from.values != nullptr;
-    copy_part(from.values, from.constant, n, samples);
-  }
-  atlas_kernel().scale(samples, 1 / atlas_.lattice.voxel, Atlas::kSamples, samples);
-  return has_samples;
-}
-
-void LiveAtlas::refresh_slope(const glm::ivec3& slot) {
-  const auto at = std::size_t(atlas_.bricks[atlas_.place(slot)]);
-  atlas_.slope = std::max(atlas_.slope, brick_range(atlas_.samples.data() + at * kSamples).slope);
-}
-
-// Makes the tables say of a slot what its samples say.
-void LiveAtlas::refresh_slot(const glm::ivec3& slot) {
+LiveAtlas::Target& LiveAtlas::target_at(const glm::ivec3& slot) {
   const std::size_t place = atlas_.place(slot);
-  const std::int32_t had = atlas_.bricks[place];
-  float gathered[kSamples];
-  bool has_samples = false;
-  if (had < 0) has_samples = gather(slot, gathered);
-  const float* samples = had < 0 ? gathered : atlas_.samples.data() + std::size_t(had) * kSamples;
-  const BrickRange range = brick_range(samples);
-  const bool sign_change = !range.finite || (range.low < 0 && range.high >= 0);
+  const std::size_t mask = found_.size() - 1;
+  constexpr std::uint64_t kGoldenRatio = 0x9e3779b97f4a7c15U;
+  for (std::size_t at = place * kGoldenRatio >> 32;; ++at) {
+    std::int32_t& found = found_[at & mask];
+    if (found >= 0 && targets_[std::size_t(found)].place != place) continue;
+    if (found < 0) {
+      found = static_cast<std::int32_t>(targets_.size());
+      targets_.push_back({slot, place, {-1, -1, -1, -1, -1, -1, -1, -1}});
+      __builtin_prefetch(atlas_.bricks.data() + place, 1);
+    }
+    return targets_[std::size_t(found)];
+  }
+}
+
+// Asks for a brick's data ahead of time: most of the work is waiting for memory.
+void LiveAtlas::fetch(std::int32_t brick) const {
+  if (brick < 0) return;
+  fetch_lines(atlas_.samples.data() + std::size_t(brick) * kSamples, kSamples * sizeof(float));
+  if (brick >= atlas_.crossing) return;
+  // Of the first octant, which says what cells are crossing. The others may only be written to.
+  fetch_lines(atlas_.hops.data() + std::size_t(brick) * kHops, kHops / 8 * sizeof(std::uint32_t));
+}
+
+// Of a slot that has no samples and none of its own among those that changed: whether any of these
+// lies on the other side.
+bool LiveAtlas::is_reached(const Target& target, bool inside) const {
+  for (int n = 1; n < 8; ++n) {
+    if (target.from[n] < 0) continue;
+    const Source& source = sources_[std::size_t(target.from[n])];
+    for (int x = 0; x < kBrickWords; ++x) {
+      const std::uint64_t negative = source.negative[x];
+      if (((inside ? ~negative : negative) & part_of_word(n, x)) != 0) return true;
+    }
+  }
+  return false;
+}
+
+// The brick of the grid that part n of a slot lies in.
+GridBrick LiveAtlas::part(const Target& target, int n) const {
+  const std::int32_t from = target.from[n];
+  if (from >= 0) return sources_[std::size_t(from)].now;
+  return bricks_.find(atlas_.lo + target.slot + glm::ivec3(n >> 2, n >> 1 & 1, n & 1));
+}
+
+// Makes the atlas say of a slot what the grid says.
+void LiveAtlas::update(const Target& target) {
+  const std::int32_t had = atlas_.bricks[target.place];
   const bool crossed = had >= 0 && had < atlas_.crossing;
-  if (!sign_change && had >= 0) has_samples = bricks_.find(slot + atlas_.lo).values != nullptr;
-  if (!has_samples && !sign_change) {
-    if (had >= 0) free_brick(place);
-    atlas_.bricks[place] = range.low < 0 ? Atlas::kInside : Atlas::kOutside;
-    if (crossed) lengthen_jumps(slot);
+  const bool own = target.from[0] >= 0;
+  if (had < 0 && !own && !is_reached(target, had == Atlas::kInside)) return;
+  float gathered[kSamples];
+  float* samples = had < 0 ? gathered : atlas_.samples.data() + std::size_t(had) * kSamples;
+  bool changed = own || had < 0;
+  for (int n = 0; n < 8; ++n) {
+    if (had >= 0 && target.from[n] < 0) continue;
+    const GridBrick from = part(target, n);
+    changed |= copy_part(from.values, from.constant, 1 / atlas_.lattice.voxel, n, samples);
+  }
+  if (!changed) return;
+  SampleSurvey survey;
+  atlas_kernel().survey(samples, atlas_.margin(), survey);
+  const BrickRange range(survey);
+  if (!range.changes_sign() && part(target, 0).values == nullptr) {
+    if (had >= 0) free_brick(target.place);
+    atlas_.bricks[target.place] = range.low < 0 ? Atlas::kInside : Atlas::kOutside;
+    if (crossed) vanished_.push_back(target.slot);
     return;
   }
-  atlas_.slope = std::max(atlas_.slope, range.slope);
-  const float margin = atlas_.margin();
+  if (range.slope > atlas_.slope) {  // the margin grows with it
+    atlas_.slope = range.slope;
+    atlas_kernel().survey(samples, atlas_.margin(), survey);
+  }
   // One that was crossing stays in that part: its cells say that it is not.
-  const bool crossing = crossed || !range.finite || (range.low <= margin && range.high >= -margin);
+  const bool crossing = crossed || range.crossing(atlas_.margin());
   std::int32_t brick = had;
   if (had < 0 || crossing != crossed) {
     if (had >= 0) std::copy(samples, samples + kSamples, gathered);  // it may move
-    brick = take_brick(place, crossing);
-    samples = gathered;
+    brick = take_brick(target.place, crossing);
     std::copy(gathered, gathered + kSamples, atlas_.samples.data() + std::size_t(brick) * kSamples);
   }
   if (!crossing) return;
-  fill_hops(samples, margin, atlas_.hops.data() + std::size_t(brick) * kHops);
-  if (!crossed) shorten_jumps(slot);
+  std::uint32_t* hops = atlas_.hops.data() + std::size_t(brick) * kHops;
+  std::uint64_t before[kBrickWords];
+  if (crossed) atlas_kernel().crossing_of(hops, before);
+  if (crossed && std::equal(std::begin(before), std::end(before), survey.crossing)) return;
+  atlas_kernel().hops(survey.crossing, hops);
+  if (!crossed) appeared_.push_back(target.slot);
 }
 
 // The brick of a slot, in the part of the crossing ones or in the other.
@@ -223,6 +248,7 @@ std::int32_t LiveAtlas::take_brick(std::size_t place, bool crossing) {
   }
   const std::int32_t brick = free.back();
   free.pop_back();
+  if (!free.empty()) fetch(free.back());  // dabs add several
   owner_[std::size_t(brick)] = place;
   atlas_.bricks[place] = brick;
   return brick;
@@ -248,8 +274,21 @@ void LiveAtlas::move_brick(std::int32_t from, std::int32_t to) {
   atlas_.bricks[owner] = to;
 }
 
+// Asks for what shorten_jumps() reads in any case.
+void LiveAtlas::fetch_jumps(const glm::ivec3& slot) const {
+  for (int octant = 0; octant < Atlas::kOctants; ++octant) {
+    const std::uint8_t* jumps = atlas_.jumps.data() + std::size_t(octant) * atlas_.bricks.size();
+    const glm::ivec3 step((octant & 4) != 0 ? 1 : -1, (octant & 2) != 0 ? 1 : -1, 0);
+    for (int n = 0; n < 4; ++n) {
+      const glm::ivec3 behind = slot + step * glm::ivec3(n >> 1, n & 1, 0);
+      if (within(behind)) __builtin_prefetch(jumps + atlas_.place(behind), 1);
+    }
+  }
+}
+
 // A crossing brick appeared: no cube of the slots behind it may reach it.
 void LiveAtlas::shorten_jumps(const glm::ivec3& slot) {
+  const auto plane = static_cast<std::ptrdiff_t>(atlas_.dims.y) * atlas_.dims.z;
   for (int octant = 0; octant < Atlas::kOctants; ++octant) {
     std::uint8_t* jumps = atlas_.jumps.data() + std::size_t(octant) * atlas_.bricks.size();
     glm::ivec3 step(1);   // to the next slot behind
@@ -260,21 +299,19 @@ void LiveAtlas::shorten_jumps(const glm::ivec3& slot) {
       count[a] = std::min(down ? atlas_.dims[a] - 1 - slot[a] : slot[a], Atlas::kMostJump);
     }
     // The cube of a slot holds that of its successor towards the new brick, but for one layer. So
-    // where one is too long, that of its successor was: a row is looked at as far as the row
-    // before it was shortened, and one further.
-    std::array<int, Atlas::kMostJump + 1> ends{};  // of each row, for the plane last looked at
-    int rows = count.y + 1;                        // that may need it
+    // where one is too long, that of its successor was: a plane is looked at as far as the plane
+    // before it was shortened, and one row further.
+    int rows = count.y + 1;  // that may need it
     for (int x = 0; x <= count.x && rows > 0; ++x) {
-      int before = x > 0 ? ends[0] : count.z;
       int shortened = 0;
       for (int y = 0; y < rows; ++y) {
-        const std::size_t place = atlas_.place(slot + glm::ivec3(x * step.x, y * step.y, 0));
-        const int end =
-            shorten_row(jumps + place, step.z, std::min(before, count.z), std::max(x, y));
-        before = x > 0 ? ends[std::size_t(y)] : end;
-        ends[std::size_t(y)] = end;
-        if (end > 0) shortened = y + 1;
-        if (x == 0 && end == 0) break;
+        std::uint8_t* row = jumps + atlas_.place(slot + glm::ivec3(x * step.x, y * step.y, 0));
+        if (x < count.x) __builtin_prefetch(row + step.x * plane, 1);
+        if (shorten_row(row, step.z, count.z, std::max(x, y))) {
+          shortened = y + 1;
+        } else if (x == 0) {
+          break;
+        }
       }
       rows = std::min(shortened == 0 ? 0 : shortened + 1, count.y + 1);
     }

@@ -2,6 +2,7 @@
 // that changed, and those that share samples with them, are made anew.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -13,8 +14,6 @@
 #include "sdfgrid/grid/grid.h"
 
 namespace sdfgrid {
-
-struct PartRanges;  // internal to grid/
 
 class LiveAtlas {
  public:
@@ -31,15 +30,28 @@ class LiveAtlas {
   void refresh(std::span<const glm::ivec3> changed, const Job& job);
 
  private:
+  // A brick that changed, as it is now.
+  struct Source {
+    GridBrick now;
+    std::uint64_t negative[kBrickWords];  // which samples are
+  };
+  // A slot that shares samples with some of those: for each part of it (copy_part() in
+  // atlas_tables.h) which, or -1.
+  struct Target {
+    glm::ivec3 slot;
+    std::size_t place;
+    std::array<std::int32_t, 8> from;
+  };
+
   void adopt();
-  bool within(const glm::ivec3& slot) const;
-  enum class Stale : std::uint8_t { no, slope, all };
-  [[nodiscard]] Stale staleness(const glm::ivec3& slot, const PartRanges& parts, int n) const;
-  void fetch(const glm::ivec3& slot) const;
-  bool copy_brick(const glm::ivec3& brick);
-  void refresh_slope(const glm::ivec3& slot);
-  void refresh_slot(const glm::ivec3& slot);
-  bool gather(const glm::ivec3& slot, float* samples) const;
+  [[nodiscard]] bool within(const glm::ivec3& slot) const;
+  bool collect(std::span<const glm::ivec3> changed);
+  Target& target_at(const glm::ivec3& slot);
+  void fetch(std::int32_t brick) const;
+  void fetch_jumps(const glm::ivec3& slot) const;
+  [[nodiscard]] bool is_reached(const Target& target, bool inside) const;
+  [[nodiscard]] GridBrick part(const Target& target, int n) const;
+  void update(const Target& target);
   std::int32_t take_brick(std::size_t place, bool crossing);
   void free_brick(std::size_t place);
   void move_brick(std::int32_t from, std::int32_t to);
@@ -52,8 +64,12 @@ class LiveAtlas {
   std::vector<std::size_t> owner_;           // the place of each brick, kNobody for a free one
   std::vector<std::int32_t> free_crossing_;  // free bricks before atlas_.crossing
   std::vector<std::int32_t> free_other_;     // and after
-  std::vector<glm::ivec3> stale_;            // slots of which some samples changed
-  std::vector<Stale> marks_;                 // in what, for each slot
+  // Of the refresh that runs; kept for their memory.
+  std::vector<Source> sources_;
+  std::vector<Target> targets_;
+  std::vector<std::int32_t> found_;   // hash table of targets_ by their places, -1 for free
+  std::vector<glm::ivec3> appeared_;  // slots that are crossing now
+  std::vector<glm::ivec3> vanished_;  // and that have no crossing brick any more
 };
 
 }  // namespace sdfgrid

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
 #include <random>
@@ -23,7 +24,9 @@ void expect_safe_hops(const Atlas& a, const std::string& when) {
   for (const std::int32_t brick : a.bricks) {
     if (brick < 0 || brick >= a.crossing) continue;
     const std::uint32_t* hops = a.hops.data() + std::size_t(brick) * Atlas::kHops;
-    atlas_kernel().hops(a.samples.data() + std::size_t(brick) * Atlas::kSamples, 0, longest.data());
+    SampleSurvey survey;
+    atlas_kernel().survey(a.samples.data() + std::size_t(brick) * Atlas::kSamples, 0, survey);
+    atlas_kernel().hops(survey.crossing, longest.data());
     for (std::size_t i = 0; i < std::size_t{Atlas::kHops} * 8; ++i) {
       const auto cell = [&](const std::uint32_t* words) {
         return words[i / 8] >> 4 * (i % 8) & 15;
@@ -99,6 +102,48 @@ TEST(LiveAtlas, FollowsStrokesUndoAndRedo) {
     expect_same(live, grid, "stroke " + std::to_string(i));
     if (HasFatalFailure()) return;
   }
+}
+
+// Bricks written at random, so that the field changes sign in slots without a leaf, too: between
+// leaves, constants and each other, as the caps of holes do.
+TEST(LiveAtlas, FollowsSamplesThatReachSlotsWithoutALeaf) {
+  const Grid grid = ball_grid(15);
+  LiveAtlas live(grid, Job());
+  GridBricks bricks(grid);
+  const BandLimits limits = band_limits(grid);
+  std::mt19937 random(6);
+  const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  int without_leaf = 0;
+  for (int i = 0; i < 60; ++i) {
+    std::vector<glm::ivec3> changed;
+    for (int n = 0; n <= below(3); ++n) {
+      const glm::ivec3 brick(below(4) - 2, below(4) - 2, below(4) - 2);
+      if (std::find(changed.begin(), changed.end(), brick) != changed.end()) continue;
+      changed.push_back(brick);
+      if (below(3) == 0) {
+        bricks.drop(brick, below(2) == 0 ? limits.inside : limits.outside);
+        continue;
+      }
+      const GridBrick now = bricks.make_unset(brick);
+      const float all = below(2) == 0 ? limits.inside : limits.outside;
+      std::fill_n(now.values, kBrickSamples, all);
+      std::fill_n(now.active, kBrickWords, 0);
+      // One sample on the other side, at a face, an edge, a corner or in the middle.
+      const auto place = [&] { return below(2) == 0 ? 0 : below(8); };
+      now.values[(place() * 8 + place()) * 8 + place()] = -0.5F * all;
+    }
+    bricks.finish();
+    live.refresh(changed, Job());
+    const Atlas& a = live.atlas();
+    for (std::size_t at = 0; at < a.bricks.size(); ++at) {
+      const glm::ivec3 slot(int(at) / (a.dims.y * a.dims.z), int(at) / a.dims.z % a.dims.y,
+                            int(at) % a.dims.z);
+      without_leaf += a.bricks[at] >= 0 && bricks.find(slot + a.lo).values == nullptr ? 1 : 0;
+    }
+    expect_same(live, grid, "round " + std::to_string(i));
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(without_leaf, 100);
 }
 
 TEST(LiveAtlas, GrowsWithItsGrid) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <random>
 #include <vector>
@@ -56,7 +57,18 @@ std::vector<std::vector<float>> sample_sets() {
   return sets;
 }
 
-TEST(AtlasKernel, RangeIsThatOfPlainLoops) {
+bool crossing(const std::vector<float>& s, int x, int y, int z) {
+  int above = 0;
+  int below = 0;
+  for (int n = 0; n < 8; ++n) {
+    const float v = s[place(x + (n >> 2), y + (n >> 1 & 1), z + (n & 1))];
+    above += v > kMargin ? 1 : 0;
+    below += v < -kMargin ? 1 : 0;
+  }
+  return above != 8 && below != 8;
+}
+
+TEST(AtlasKernel, SurveyIsThatOfPlainLoops) {
   for (const auto& s : sample_sets()) {
     float step[3] = {};
     for (int x = 0; x < kEdge; ++x) {
@@ -71,26 +83,20 @@ TEST(AtlasKernel, RangeIsThatOfPlainLoops) {
     }
     const bool finite = std::all_of(s.begin(), s.end(), [](float v) { return std::isfinite(v); });
     for (const AtlasKernel* kernel : kernels()) {
-      SampleRange range{};
-      kernel->range(s.data(), range);
-      EXPECT_EQ(range.finite, finite);
+      SampleSurvey survey{};
+      kernel->survey(s.data(), kMargin, survey);
+      for (int i = 0; i < 512; ++i) {
+        ASSERT_EQ((survey.crossing[i >> 6] >> (i & 63) & 1) != 0,
+                  crossing(s, i >> 6, i >> 3 & 7, i & 7));
+      }
+      EXPECT_EQ(std::isfinite(survey.low), finite);
+      EXPECT_EQ(std::isfinite(survey.high), finite);
       if (!finite) continue;
-      EXPECT_EQ(range.low, *std::min_element(s.begin(), s.end()));
-      EXPECT_EQ(range.high, *std::max_element(s.begin(), s.end()));
-      for (int a = 0; a < 3; ++a) EXPECT_EQ(range.step[a], step[a]);
+      EXPECT_EQ(survey.low, *std::min_element(s.begin(), s.end()));
+      EXPECT_EQ(survey.high, *std::max_element(s.begin(), s.end()));
+      for (int a = 0; a < 3; ++a) EXPECT_EQ(survey.step[a], step[a]);
     }
   }
-}
-
-bool crossing(const std::vector<float>& s, int x, int y, int z) {
-  int above = 0;
-  int below = 0;
-  for (int n = 0; n < 8; ++n) {
-    const float v = s[place(x + (n >> 2), y + (n >> 1 & 1), z + (n & 1))];
-    above += v > kMargin ? 1 : 0;
-    below += v < -kMargin ? 1 : 0;
-  }
-  return above != 8 && below != 8;
 }
 
 // By looking at every cube of cells ahead.
@@ -112,8 +118,13 @@ int hop(const std::vector<float>& s, int octant, const int (&cell)[3]) {
 TEST(AtlasKernel, HopsAreTheEdgesOfEmptyCubes) {
   for (const auto& s : sample_sets()) {
     for (const AtlasKernel* kernel : kernels()) {
+      SampleSurvey survey{};
+      kernel->survey(s.data(), kMargin, survey);
       std::vector<std::uint32_t> hops(Atlas::kHops);
-      kernel->hops(s.data(), kMargin, hops.data());
+      kernel->hops(survey.crossing, hops.data());
+      std::uint64_t again[8];
+      kernel->crossing_of(hops.data(), again);
+      EXPECT_TRUE(std::equal(std::begin(again), std::end(again), survey.crossing));
       for (int i = 0; i < Atlas::kOctants * kBrick * kBrick * kBrick; ++i) {
         const int octant = i / (kBrick * kBrick * kBrick);
         const int stored[3] = {i / 64 % 8, i / 8 % 8, i % 8};
@@ -128,28 +139,42 @@ TEST(AtlasKernel, HopsAreTheEdgesOfEmptyCubes) {
   }
 }
 
-TEST(AtlasKernel, PartsAreTheFacesOfALeaf) {
+TEST(AtlasKernel, CopiesThePartsOfALeaf) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> any(-3, 3);
   std::vector<float> values(kBrick * kBrick * kBrick);
-  for (int round = 0; round < 50; ++round) {
-    for (float& v : values) v = any(random);
-    for (const AtlasKernel* kernel : kernels()) {
-      PartRanges parts{};
-      kernel->parts(values.data(), parts);
-      for (int n = 0; n < 8; ++n) {
-        float low = 10;
-        float high = -10;
-        for (int i = 0; i < 512; ++i) {
-          const bool in_part = ((n & 4) == 0 || i / 64 == 0) && ((n & 2) == 0 || i / 8 % 8 == 0) &&
-                               ((n & 1) == 0 || i % 8 == 0);
-          if (!in_part) continue;
-          low = std::min(low, values[i]);
-          high = std::max(high, values[i]);
+  for (float& v : values) v = any(random);
+  const double factor = 1 / 0.37;
+  for (const AtlasKernel* kernel : kernels()) {
+    std::uint64_t negative[8];
+    kernel->negatives(values.data(), negative);
+    for (int i = 0; i < 512; ++i) {
+      ASSERT_EQ((negative[i >> 6] >> (i & 63) & 1) != 0, values[i] < 0);
+    }
+    for (int part = 0; part < 8; ++part) {
+      const std::vector<float> before(Atlas::kSamples, 7.0F);
+      std::vector<float> expected = before;
+      for (int i = 0; i < 512; ++i) {
+        const int at[3] = {i >> 6, i >> 3 & 7, i & 7};
+        bool in_part = true;
+        int to[3];
+        for (int a = 0; a < 3; ++a) {
+          const bool beyond = (part >> (2 - a) & 1) != 0;
+          in_part = in_part && (!beyond || at[a] == 0);
+          to[a] = beyond ? kBrick : at[a];
         }
-        EXPECT_EQ(parts.low[n], low);
-        EXPECT_EQ(parts.high[n], high);
+        if (in_part) {
+          expected[place(to[0], to[1], to[2])] = static_cast<float>(values[i] * factor);
+        }
       }
+      std::vector<float> samples = before;
+      EXPECT_TRUE(kernel->copy(values.data(), factor, part, samples.data())) << part;
+      EXPECT_EQ(samples, expected) << part;
+      EXPECT_FALSE(kernel->copy(values.data(), factor, part, samples.data())) << part;
+      // The last sample of the part is looked at, too.
+      samples[place(part & 4 ? 8 : 7, part & 2 ? 8 : 7, part & 1 ? 8 : 7)] += 1;
+      EXPECT_TRUE(kernel->copy(values.data(), factor, part, samples.data())) << part;
+      EXPECT_EQ(samples, expected) << part;
     }
   }
 }
