@@ -1,6 +1,7 @@
 // Sculpting: dabs and strokes of the Sculptor beside OpenVDB's in-place csgUnion and csgDifference,
-// all in one run, repetitions interleaved, medians. On one thread times are the process's CPU time,
-// which other work on the machine hardly changes; on two they are given by the clock, too.
+// all in one run, repetitions interleaved, medians. Times are the process's CPU time, which other
+// work on the machine hardly changes; those of strokes are given by the clock, too: of each stroke
+// the least of five tries.
 //
 //   edit_bench MESH [--dims=512,1024] [--dabs=60]
 //
@@ -36,12 +37,12 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-// Of CPU time of all threads.
+// Of CPU time: of all threads, or (CLOCK_THREAD_CPUTIME_ID) of the one that calls.
 template <class Work>
-double milliseconds(const Work& work) {
-  const auto now = [] {
+double milliseconds(const Work& work, clockid_t clock = CLOCK_PROCESS_CPUTIME_ID) {
+  const auto now = [&] {
     timespec t{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    clock_gettime(clock, &t);
     return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
   };
   const double start = now();
@@ -157,11 +158,13 @@ void measure_strokes(const Grid& grid, const TriangleSoup& soup, int dim) {
   LiveAtlas atlas(sculptor.grid(), Job());
   std::mt19937 random(7);
   constexpr int kStrokes = 15;
+  constexpr int kClockTries = 5;  // of which the least counts: other work on the machine adds to it
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
     for (const StrokeOp op : {StrokeOp::unite, StrokeOp::subtract}) {
       std::vector<double> clock;
       std::vector<double> apply;
+      std::vector<double> caller;
       std::vector<double> refresh;
       std::vector<double> undo;
       double memory = 0;
@@ -169,9 +172,17 @@ void measure_strokes(const Grid& grid, const TriangleSoup& soup, int dim) {
         Stroke stroke = dab(op, {}, 20 * voxel);
         stroke.path = walk(soup, random() % soup.points.size(), 5 * voxel, 60);
         StrokeReport report;
-        clock.push_back(clock_milliseconds([&] {
-          apply.push_back(milliseconds([&] { report = sculptor.apply(stroke, Job()); }));
-        }));
+        double least = clock_milliseconds([&] {
+          apply.push_back(milliseconds([&] {
+            caller.push_back(milliseconds([&] { report = sculptor.apply(stroke, Job()); },
+                                          CLOCK_THREAD_CPUTIME_ID));
+          }));
+        });
+        for (int again = 1; again < kClockTries; ++again) {
+          sculptor.undo();
+          least = std::min(least, clock_milliseconds([&] { (void)sculptor.apply(stroke, Job()); }));
+        }
+        clock.push_back(least);
         const auto bytes = static_cast<double>(sculptor.history().bytes());  // of this stroke alone
         memory = std::max(memory, bytes / (static_cast<double>(report.bricks_touched) * 2112));
         refresh.push_back(milliseconds([&] { atlas.refresh(sculptor.touched(), Job()); }));
@@ -179,12 +190,13 @@ void measure_strokes(const Grid& grid, const TriangleSoup& soup, int dim) {
         atlas.refresh(sculptor.touched(), Job());
       }
       fmt::print(
-          "  dim {:5} stroke of 60 dabs, radius 20, {:10}, {} thread(s): {:.2f} ms of CPU, {:.2f} "
-          "ms "
-          "by the clock with local re-distancing, atlas {:.2f} ms; undo {:.2f} ms, memory {:.2f} x "
-          "the bricks\n",
-          dim, stroke_op_word(op), threads, median(apply), median(clock), median(refresh),
-          median(undo), memory);
+          "  dim {:5} stroke of 60 dabs, radius 20, {:10}, {} thread(s): with local re-distancing "
+          "{:.2f} ms of CPU ({:.2f} of them the calling thread's), {:.2f} ms by the clock; atlas "
+          "{:.2f} ms of CPU, undo {:.2f} ms, "
+          "memory "
+          "{:.2f} x the bricks\n",
+          dim, stroke_op_word(op), threads, median(apply), median(caller), median(clock),
+          median(refresh), median(undo), memory);
     }
   }
 }

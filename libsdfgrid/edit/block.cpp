@@ -5,6 +5,20 @@
 #include <glm/common.hpp>
 
 namespace sdfgrid {
+namespace {
+
+// Most rows are as long as a brick, or as a narrow band's apron.
+void scale_row(const float* __restrict from, int count, float scale, float* __restrict to) {
+  if (count == 8) {
+    for (int z = 0; z < 8; ++z) to[z] = from[z] * scale;
+  } else if (count == 4) {
+    for (int z = 0; z < 4; ++z) to[z] = from[z] * scale;
+  } else {
+    for (int z = 0; z < count; ++z) to[z] = from[z] * scale;
+  }
+}
+
+}  // namespace
 
 void Block::fill(const GridBricks& bricks, const glm::ivec3& brick, int apron, double voxel) {
   apron_ = apron;
@@ -30,7 +44,7 @@ void Block::fill(const GridBricks& bricks, const glm::ivec3& brick, int apron, d
               continue;
             }
             const float* values = from.values + (x - offset.x) * 64 + (y - offset.y) * 8 - offset.z;
-            for (int z = lo.z; z <= hi.z; ++z) to[z] = values[z] * scale;
+            scale_row(values + lo.z, hi.z - lo.z + 1, scale, to + lo.z);
           }
         }
       }

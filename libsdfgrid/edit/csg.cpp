@@ -39,22 +39,47 @@ RoundSegment make_segment(const Placement& p, const glm::dvec3& first_sample) {
   return s;
 }
 
-// The least of the distances to the balls that reach the brick, voxels.
+// Bounds on the distances from a brick's samples to a ball, voxels.
+struct Bounds {
+  double least, most;
+};
+Bounds bounds_of(const Placement& p, const glm::dvec3& first_sample) {
+  constexpr double kHalfDiagonal = 6.0622;
+  const double d = distance_to_segment(first_sample + 3.5, p.from, p.to);
+  return {d - kHalfDiagonal - std::max(p.radius_from, p.radius_to),
+          d + kHalfDiagonal - std::min(p.radius_from, p.radius_to)};
+}
+
+// The least of the distances to the balls that reach the brick, voxels. Those are left out of which
+// another is nearer to every sample.
 void ball_distances(const StrokePlan& plan, const PlannedBrick& planned, float* distances) {
-  constexpr std::uint32_t kTogether = 16;
+  constexpr std::int32_t kTogether = 16;
+  constexpr double kRounding = 1e-3;
+  const glm::dvec3 first = 8.0 * glm::dvec3(planned.brick);
+  double most = 1e300;
+  const bool single = planned.end - planned.begin == 1;
+  for (std::uint32_t i = planned.begin; i < planned.end && !single; ++i) {
+    most = std::min(most, bounds_of(plan.placements[plan.reaching[i]], first).most);
+  }
   RoundSegment segments[kTogether];
   alignas(64) float more[kBrickSamples];
-  const glm::dvec3 first = 8.0 * glm::dvec3(planned.brick);
-  for (std::uint32_t begin = planned.begin; begin < planned.end; begin += kTogether) {
-    const std::uint32_t end = std::min(begin + kTogether, planned.end);
-    for (std::uint32_t i = begin; i < end; ++i) {
-      segments[i - begin] = make_segment(plan.placements[plan.reaching[i]], first);
+  float* out = distances;
+  std::int32_t count = 0;
+  const auto sweep = [&] {
+    combine_kernel().sweep(segments, count, out);
+    for (int i = 0; out == more && i < kBrickSamples; ++i) {
+      distances[i] = std::min(distances[i], more[i]);
     }
-    float* out = begin == planned.begin ? distances : more;
-    combine_kernel().sweep(segments, static_cast<std::int32_t>(end - begin), out);
-    if (out == distances) continue;
-    for (int i = 0; i < kBrickSamples; ++i) distances[i] = std::min(distances[i], more[i]);
+    out = more;
+    count = 0;
+  };
+  for (std::uint32_t i = planned.begin; i < planned.end; ++i) {
+    const Placement& p = plan.placements[plan.reaching[i]];
+    if (!single && bounds_of(p, first).least > most + kRounding) continue;
+    segments[count++] = make_segment(p, first);
+    if (count == kTogether) sweep();
   }
+  if (count > 0) sweep();
 }
 
 void shape_distances(const BrushShape& shape, double voxel, const StrokePlan& plan,

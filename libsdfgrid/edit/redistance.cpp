@@ -20,25 +20,33 @@ constexpr float kBetweenZeros = 0.5F;
 constexpr float kNowhere = 1e9F;  // voxels
 
 // Padded to a multiple of 16.
-struct Points {
-  std::vector<float> x, y, z;
-
-  void clear() {
-    x.clear();
-    y.clear();
-    z.clear();
+class Points {
+ public:
+  void clear() { size_ = 0; }
+  // So many may be added now.
+  void make_room(std::int32_t count) {
+    const std::size_t needed = static_cast<std::size_t>(size_) + count + 16;
+    if (x.size() >= needed) return;
+    for (std::vector<float>* c : {&x, &y, &z}) c->resize(2 * needed);
   }
   void add(const glm::vec3& p) {
-    x.push_back(p.x);
-    y.push_back(p.y);
-    z.push_back(p.z);
+    x[size_] = p.x;
+    y[size_] = p.y;
+    z[size_] = p.z;
+    ++size_;
   }
   void pad(const glm::vec3& with) {
-    while (x.size() % 16 != 0) add(with);
+    make_room(0);
+    while (size_ % 16 != 0) add(with);
   }
-  [[nodiscard]] std::int32_t size() const { return static_cast<std::int32_t>(x.size()); }
+  [[nodiscard]] std::int32_t size() const { return size_; }
   [[nodiscard]] glm::vec3 operator[](std::int32_t i) const { return {x[i], y[i], z[i]}; }
-  [[nodiscard]] Positions positions() const { return {x.data(), y.data(), z.data(), size()}; }
+
+  std::vector<float> x, y, z;  // the first size() of them
+  [[nodiscard]] Positions positions() const { return {x.data(), y.data(), z.data(), size_}; }
+
+ private:
+  std::int32_t size_ = 0;
 };
 
 // One brick at a time; keeps its arrays from one to the next.
@@ -92,7 +100,9 @@ bool Redistancer::beside_surface(const glm::ivec3& p) const {
 // Those of the suspects whose value is not that of the surface.
 void Redistancer::find_wrong(const RedistanceTask& task) {
   from_.clear();
+  from_.make_room(kBrickSamples);
   wrong_.clear();
+  wrong_.make_room(kBrickSamples);
   for (int x = 0; x < 8; ++x) {
     for (std::uint64_t mask = task.suspect[x]; mask != 0; mask &= mask - 1) {
       const int bit = std::countr_zero(mask);
@@ -126,6 +136,7 @@ void Redistancer::find_surface() {
   for (int x = -apron_; x < end; ++x) {
     for (int y = -apron_; y < end; ++y) {
       const std::uint64_t row = signs(x, y);
+      surface_.make_room(3 * block_.edge());
       add_crossings(x, y, (row ^ row >> 1) & inner, {0, 0, 1});
       if (y + 1 < end) add_crossings(x, y, row ^ signs(x, y + 1), {0, 1, 0});
       if (x + 1 < end) add_crossings(x, y, row ^ signs(x + 1, y), {1, 0, 0});
@@ -141,6 +152,8 @@ void Redistancer::measure() {
   of_.clear();
   found_.assign(std::size_t(wrong_.size()), kNowhere);
   if (surface_.size() == 0) return;
+  from_.make_room(NearPoints::kMost * wrong_.size());
+  to_.make_room(NearPoints::kMost * wrong_.size());
   for (std::int32_t i = 0; i < wrong_.size(); ++i) {
     const glm::vec3 p = wrong_[i];
     const float at[3] = {p.x, p.y, p.z};

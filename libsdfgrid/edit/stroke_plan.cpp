@@ -234,13 +234,6 @@ void Planner::check_size() const {
                           radius_, most, most * kBytesPerBrick * 1e-9, limits_.max_bricks));
 }
 
-double distance_to_segment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
-  const glm::dvec3 e = b - a;
-  const double l2 = glm::dot(e, e);
-  const double t = l2 > 0 ? std::clamp(glm::dot(p - a, e) / l2, 0.0, 1.0) : 0.0;
-  return glm::length(p - a - t * e);
-}
-
 // Bricks as one number, in the order x, y, z.
 constexpr int kKeyBits = 21;
 constexpr int kKeyOffset = 1 << (kKeyBits - 1);
@@ -314,6 +307,13 @@ bool Planner::continues(std::uint32_t first, std::uint32_t second) const {
 }
 
 }  // namespace
+
+double distance_to_segment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
+  const glm::dvec3 e = b - a;
+  const double l2 = glm::dot(e, e);
+  const double t = l2 > 0 ? std::clamp(glm::dot(p - a, e) / l2, 0.0, 1.0) : 0.0;
+  return glm::length(p - a - t * e);
+}
 
 StrokePlan plan_stroke(const Stroke& stroke, const Lattice& lattice, const PlanLimits& limits) {
   check_stroke(stroke);

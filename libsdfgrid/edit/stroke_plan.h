@@ -46,6 +46,9 @@ struct PlanLimits {
   double max_bricks = 1e6;
 };
 
+[[nodiscard]] double distance_to_segment(const glm::dvec3& p, const glm::dvec3& a,
+                                         const glm::dvec3& b);
+
 // Throws Error{usage} for a stroke without a path, with numbers out of range, or with more bricks
 // in its reach than allowed (with the estimate).
 [[nodiscard]] StrokePlan plan_stroke(const Stroke& stroke, const Lattice& lattice,
