@@ -7,6 +7,7 @@
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/words.h"
 #include "sdfgrid/field/field.h"
+#include "sdfgrid/field/formula.h"
 
 namespace sdfgrid::cli {
 namespace {
@@ -87,6 +88,9 @@ std::string traits(const Parameter& p) {
   return one ? text + fmt::format(", default {:g}", p.fallback[0]) : text;
 }
 
+// The op beside whose parameters the functions stand that all formulas may call.
+bool explains_formulas(const OpEntry& op) { return std::string_view(op.info->name) == "formula"; }
+
 Json describe(const OpEntry& op) {
   Json parameters = Json::array();
   for (const Parameter& p : op.parameters) {
@@ -98,12 +102,18 @@ Json describe(const OpEntry& op) {
                           {"required", std::isnan(p.fallback[0])},
                           {"text", p.text}});
   }
-  return {{"name", op.info->name},
-          {"role", name_of(op.info->role)},
-          {"distance", name_of(op.info->guarantee)},
-          {"text", op.info->text},
-          {"example", op.info->example},
-          {"parameters", parameters}};
+  Json all = {{"name", op.info->name},
+              {"role", name_of(op.info->role)},
+              {"distance", name_of(op.info->guarantee)},
+              {"text", op.info->text},
+              {"example", op.info->example},
+              {"parameters", parameters}};
+  if (explains_formulas(op)) {
+    for (const FormulaFunction& f : formula_functions()) {
+      all["functions"].push_back({{"name", f.name}, {"arguments", f.arguments}, {"text", f.text}});
+    }
+  }
+  return all;
 }
 
 void print(const OpEntry& op, Context& context) {
@@ -112,6 +122,12 @@ void print(const OpEntry& op, Context& context) {
   context.print("    {}", op.info->text);
   for (const Parameter& p : op.parameters) {
     context.print("    {:<16} {} ({})", p.name, p.text, traits(p));
+  }
+  if (explains_formulas(op)) {
+    context.print("    functions of all formulas:");
+    for (const FormulaFunction& f : formula_functions()) {
+      context.print("      {:<14} {}", fmt::format("{}({})", f.name, f.arguments), f.text);
+    }
   }
   context.print("    as in {{{}}}", op.info->example);
 }
@@ -122,6 +138,12 @@ void print_markdown(const OpEntry& op, Context& context) {
   if (*op.info->source != 0) context.print("Source: {}.\n", op.info->source);
   for (const Parameter& p : op.parameters) {
     context.print("- `{}`: {} ({})", p.name, p.text, traits(p));
+  }
+  if (explains_formulas(op)) {
+    context.print("\nFunctions that all formulas may call:\n\n| function | value |\n|---|---|");
+    for (const FormulaFunction& f : formula_functions()) {
+      context.print("| `{}({})` | {} |", f.name, f.arguments, f.text);
+    }
   }
   context.print("{}```yaml\n- {}\n```\n", op.parameters.empty() ? "" : "\n", op.info->example);
 }

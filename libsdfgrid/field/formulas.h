@@ -35,7 +35,7 @@ struct Formula {
        {kRequired, 0, 0},
        0,
        0,
-       "the formula; see the parser for its functions"},
+       "the formula, of x, y, z, t, pi and e, with + - * / ^ and the functions below"},
       {"bounds",
        ParameterKind::points,
        "length",

@@ -1,9 +1,12 @@
 // The parser of formulas: values, carets, and that no text breaks it.
 #include "sdfgrid/field/formula.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <random>
 
@@ -15,6 +18,8 @@ namespace {
 
 using sdfgrid::Error;
 using sdfgrid::Field;
+using sdfgrid::formula_functions;
+using sdfgrid::FormulaFunction;
 using sdfgrid::make_field;
 using sdfgrid::parse_formula;
 using sdfgrid::parse_number;
@@ -56,6 +61,26 @@ TEST(Formula, Values) {
   EXPECT_NEAR(value("pow(x, 3) + x^0.5", 4), 66, 1e-12);
   EXPECT_NEAR(value("sqrt(abs(x)) * sign(x) + floor(y)", -4, 2.7), 0, 1e-12);
   EXPECT_NEAR(value("exp(log(x))", 3), 3, 1e-12);
+}
+
+// The list that users see is the parser's own: each with as many arguments as it says, no fewer.
+TEST(Formula, ListedFunctionsAreThoseThatParse) {
+  const auto call = [](const FormulaFunction& f, int arguments) {
+    std::string text = fmt::format("{}(0.5", f.name);
+    for (int i = 1; i < arguments; ++i) text += ", 0.5 + x";
+    return refusal(text + ")");
+  };
+  for (const FormulaFunction& f : formula_functions()) {
+    EXPECT_EQ(call(f, f.least), "") << f.name;
+    EXPECT_EQ(call(f, f.most), "") << f.name;
+    EXPECT_NE(call(f, f.most + 1), "") << f.name;
+    EXPECT_EQ(std::count(f.arguments, f.arguments + std::strlen(f.arguments), ','),
+              f.most > 2 ? 2 : f.least - 1)
+        << f.name;
+    // An error names all that there are.
+    EXPECT_NE(refusal("foo(1)").find(fmt::format(" {}", f.name)), std::string::npos);
+  }
+  EXPECT_GE(formula_functions().size(), 20U);
 }
 
 TEST(Formula, ErrorsPointAtTheFault) {

@@ -6,7 +6,8 @@ sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/exact_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/glsl_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/ops_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/slope_test.cpp
-                                ${CMAKE_CURRENT_LIST_DIR}/union_tree_test.cpp)
+                                ${CMAKE_CURRENT_LIST_DIR}/union_tree_test.cpp
+             PACKAGES fmt::fmt)
 foreach(isa baseline avx2)
   add_test(NAME FieldOps.${isa} COMMAND field_test --gtest_filter=*Ops.*)
   set_tests_properties(FieldOps.${isa} PROPERTIES ENVIRONMENT SDFGRID_ISA=${isa} LABELS fast)

@@ -15,5 +15,6 @@ find_package(nlohmann_json REQUIRED)
 sdfgrid_test(scene_app_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/scene_app_test.cpp
                                    ${CMAKE_CURRENT_LIST_DIR}/../app/process.cpp
              PACKAGES nlohmann_json::nlohmann_json)
-target_compile_definitions(scene_app_test PRIVATE SDFGRID_BINARY="$<TARGET_FILE:sdfgrid_app>")
+target_compile_definitions(scene_app_test PRIVATE SDFGRID_BINARY="$<TARGET_FILE:sdfgrid_app>"
+                                                  SDFGRID_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 add_dependencies(scene_app_test sdfgrid_app)

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/process.h"
 #include "sdfgrid/field/field.h"
+#include "sdfgrid/field/formula.h"
 
 namespace sdfgrid::test {
 namespace {
@@ -77,6 +79,26 @@ TEST_F(SceneApp, ShapesListsEveryOp) {
   for (const OpEntry& op : op_list()) {
     EXPECT_NE(outcome.out.find(op.info->name), std::string::npos) << op.info->name;
   }
+}
+
+TEST_F(SceneApp, ShapesListsTheFunctionsOfFormulas) {
+  const Outcome outcome = run({"shapes", "formula"});
+  ASSERT_EQ(outcome.exit, 0);
+  for (const FormulaFunction& f : formula_functions()) {
+    const std::string call = std::string(f.name) + "(" + f.arguments + ")";
+    EXPECT_NE(outcome.out.find(call), std::string::npos) << call;
+    EXPECT_NE(outcome.out.find(f.text), std::string::npos) << call;
+  }
+}
+
+// What the program says of its ops is what stands in docs/shapes.md (scripts/shapes writes it).
+TEST_F(SceneApp, ShapesAreTheDocumentedOnes) {
+  std::ifstream in(SDFGRID_SOURCE_DIR "/docs/shapes.md");
+  if (!in) GTEST_SKIP() << "there is no docs/shapes.md";
+  const std::string text((std::istreambuf_iterator<char>(in)), {});
+  const std::size_t from = text.find("## Shapes\n");
+  ASSERT_NE(from, std::string::npos);
+  EXPECT_EQ(text.substr(from), run({"shapes", "--markdown"}).out);
 }
 
 }  // namespace
