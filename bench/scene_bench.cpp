@@ -84,8 +84,8 @@ void trace(const Field& field, int repetitions) {
   const Camera camera = frame(field.bounds(), 512, 512);
   const char* const names[] = {"plain sphere tracing", "relaxed", "pruned", "relaxed and pruned",
                                "objects apart"};
-  const FieldTraceOptions options[] = {{false, false, false, false, false},
-                                       {true, false, false, false, false},
+  const FieldTraceOptions options[] = {{false, false, false, false, false, false},
+                                       {true, false, false, false, false, false},
                                        {false, false, true, false, false},
                                        {true, false, true, false, false},
                                        {}};

@@ -1,7 +1,7 @@
 // Steps of rays: what automatic relaxation saves over plain sphere tracing; what taking a scene of
 // 127 ops apart and pruning it saves; and, as CSV with --csv, evaluations per ray with a global
 // constant, with local bounds, and with the factor that a user would have tuned, at equal pictures.
-// usage: steps_bench [--csv] [REPETITIONS]; one thread, CPU time
+// usage: steps_bench [--csv] [REPETITIONS [PIXELS]]; one thread, CPU time
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,8 +24,8 @@ using namespace sdfgrid;
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::infinity();
-constexpr int kPixels = 512;  // a side
-constexpr FieldTraceOptions kPlain = {false, false, false, false, false};
+int pixels = 512;  // a side
+constexpr FieldTraceOptions kPlain = {false, false, false, false, false, false};
 
 struct Named {
   const char* name;
@@ -66,7 +66,7 @@ struct Shot {
   Box region;
   Camera camera;
   explicit Shot(const Field& f) : field(f), region(f.bounds()) {
-    camera = frame(region, kPixels, kPixels);
+    camera = frame(region, pixels, pixels);
     region = {region.lo - 1e-3, region.hi + 1e-3};
   }
   [[nodiscard]] double tolerance() const {
@@ -125,31 +125,6 @@ double relaxation(const char* name, const Field& field) {
   return a.evaluations / b.evaluations;
 }
 
-void apart(const Field& field, int repetitions) {
-  const Shot view(field);
-  FieldTraceOptions pruned = kPlain;
-  pruned.prune = true;
-  FieldTraceOptions relaxed = pruned;
-  relaxed.relax = true;
-  const struct {
-    const char* name;
-    FieldTraceOptions options;
-  } rows[] = {{"plain", kPlain},
-              {"pruned per tile", pruned},
-              {"pruned, relaxed", relaxed},
-              {"all, objects too", {}}};
-  Traced plain;
-  for (const auto& row : rows) {
-    const Traced made = picture(view, row.options, repetitions);
-    if (plain.depth.empty()) plain = made;
-    fmt::print(
-        "{:>20}: {:6.2f} evaluations a ray, {:.3f} s, {:5.2f} times as fast as plain; {} of "
-        "{} pixels differ\n",
-        row.name, made.evaluations, made.seconds, plain.seconds / made.seconds,
-        differences(plain, made, view.tolerance()), made.depth.size());
-  }
-}
-
 // Sphere tracing with `factor` times the certified value, in batches. It stops at a quarter of the
 // tolerance: divided by the largest slope there is, values are small far from the surface too.
 Traced with_factor(const Shot& view, double factor) {
@@ -157,13 +132,13 @@ Traced with_factor(const Shot& view, double factor) {
   const RayGenerator generator(view.camera);
   const double tolerance = view.tolerance();
   Traced made;
-  made.depth.assign(std::size_t{kPixels} * kPixels, kNothing);
+  made.depth.assign(static_cast<std::size_t>(pixels) * pixels, kNothing);
   double evaluations = 0;
-  for (int row = 0; row < kPixels; ++row) {
+  for (int row = 0; row < pixels; ++row) {
     std::vector<Ray> rays;
     std::vector<Span> spans;
     std::vector<int> active;
-    for (int i = 0; i < kPixels; ++i) {
+    for (int i = 0; i < pixels; ++i) {
       rays.push_back(generator.ray(i + 0.5, row + 0.5));
       spans.push_back(clip(rays.back(), view.region));
       if (spans[i].from < spans[i].to) active.push_back(i);
@@ -183,7 +158,7 @@ Traced with_factor(const Shot& view, double factor) {
         Span& s = spans[active[k]];
         const double r = double(c[3 * n + k]);
         if (r < 0.25 * tolerance * s.from) {
-          made.depth[std::size_t(row) * kPixels + active[k]] = static_cast<float>(s.from);
+          made.depth[std::size_t(row) * pixels + active[k]] = static_cast<float>(s.from);
         } else if ((s.from += factor * r) < s.to) {
           left.push_back(active[k]);
         }
@@ -193,6 +168,40 @@ Traced with_factor(const Shot& view, double factor) {
   }
   made.evaluations = evaluations / static_cast<double>(made.depth.size());
   return made;
+}
+
+void apart(const Field& field, int repetitions) {
+  const Shot view(field);
+  FieldTraceOptions pruned = kPlain;
+  pruned.prune = true;
+  FieldTraceOptions led = pruned;
+  led.beams = true;
+  FieldTraceOptions relaxed = led;
+  relaxed.relax = true;
+  const struct {
+    const char* name;
+    FieldTraceOptions options;
+  } rows[] = {{"plain", kPlain},
+              {"pruned per tile", pruned},
+              {"and beams", led},
+              {"and relaxed", relaxed},
+              {"all, objects too", {}}};
+  Traced plain;
+  double loop = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < repetitions; ++i) {
+    const double start = cpu_seconds();
+    (void)with_factor(view, 1);
+    loop = std::min(loop, cpu_seconds() - start);
+  }
+  for (const auto& row : rows) {
+    const Traced made = picture(view, row.options, repetitions);
+    if (plain.depth.empty()) plain = made;
+    fmt::print(
+        "{:>20}: {:6.2f} evaluations a ray, {:.4f} s, {:5.2f} times as fast as plain, {:5.2f} as a "
+        "plain loop; {} of {} pixels differ\n",
+        row.name, made.evaluations, made.seconds, plain.seconds / made.seconds, loop / made.seconds,
+        differences(plain, made, view.tolerance()), made.depth.size());
+  }
 }
 
 void steps_row(const char* name, const Field& field) {
@@ -229,9 +238,10 @@ int main(int argc, char** argv) {
     return 0;
   }
   const int repetitions = argc > 1 ? std::max(1, std::atoi(argv[1])) : 3;
+  if (argc > 2) pixels = std::max(1, std::atoi(argv[2]));
   std::mt19937 random(42);
   const Field csg = csg_scene(0, kSolids, random).field;
-  fmt::print("relaxation against plain sphere tracing, {}^2 rays\n", kPixels);
+  fmt::print("relaxation against plain sphere tracing, {}^2 rays\n", pixels);
   double product = relaxation("127 ops", csg);
   int scenes = 1;
   const auto all = [&](std::span<const Named> list) {

@@ -70,6 +70,8 @@ Interval leaf_interval(const Program& program, const Instruction& at, const Poin
   const Interval direct = interval_ops().functions[at.op].leaf(c, data, p);
   const bool lipschitz = registry()[at.op].entry.info->guarantee < OpGuarantee::computed;
   if (!lipschitz || !(ball.radius < kInfinity)) return direct;
+  // As narrow as that the ball would hardly make it narrower.
+  if (direct.hi - direct.lo < 2 * ball.radius) return direct;
   const Point<double> center = {ball.center.x, ball.center.y, ball.center.z};
   return meet(direct, spread(interval_ops().exact[at.op].leaf(c, data, center), ball));
 }

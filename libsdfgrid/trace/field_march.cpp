@@ -8,9 +8,19 @@ namespace sdfgrid {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kMostSteps = 5000;
-constexpr double kMomentum = 0.3;         // how much of a step's slope goes into the next one's
-constexpr std::size_t kShortProgram = 8;  // pruning more gains nothing
+constexpr std::size_t kShortProgram = 8;         // pruning more gains nothing
+constexpr std::size_t kMostInstructions = 1000;  // more is too much to look at a whole stretch
+// For fewer groups to prune again costs more than it gains, where their way is longer than they are
+// wide apart, and where it is not.
+constexpr int kFewAlong = 16;
+constexpr int kFewAcross = 64;
+// A beam ends where less than this share of its radius is free: single rays are faster from there.
+constexpr float kShare = 0.5F;
+constexpr auto kNoRay = static_cast<std::uint32_t>(-1);  // of a lane that is empty
+
+Box box_of(const double (&lo)[3], const double (&hi)[3]) {
+  return {{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
+}
 
 double largest(const glm::dvec3& v) {
   return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
@@ -32,173 +42,274 @@ Span clip(const Ray& ray, const Box& box) {
   return s;
 }
 
-Bundle::Bundle(std::span<const Ray> of)
-    : rays(of), depth(of.size(), kInfinity), steps(of.size(), 0) {}
+void Bundle::reset(std::size_t count) {
+  size = count;
+  rays.resize((count + RayLanes::kLanes - 1) / RayLanes::kLanes);
+  depth.assign(rays.size() * RayLanes::kLanes, kInfinity);
+  steps.assign(depth.size(), 0);
+}
 
-void FieldMarch::run(const Field& field, const MarchRules& rules,
-                     std::span<const Stretch> stretches) {
+void Bundle::set(std::span<const Ray> of) {
+  reset(of.size());
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    const Ray& ray = of[std::min(i, size - 1)];
+    RayLanes& group = rays[i / RayLanes::kLanes];
+    for (int a = 0; a < 3; ++a) {
+      group.start[a][i % RayLanes::kLanes] = ray.origin[a];
+      group.along[a][i % RayLanes::kLanes] = ray.direction[a];
+    }
+  }
+}
+
+Ray Bundle::ray(std::size_t i) const {
+  const RayLanes& g = rays[i / RayLanes::kLanes];
+  const std::size_t k = i % RayLanes::kLanes;
+  return {{g.start[0][k], g.start[1][k], g.start[2][k]},
+          {g.along[0][k], g.along[1][k], g.along[2][k]}};
+}
+
+void FieldMarch::reset(Bundle& bundle, const MarchRules& rules, std::size_t groups) {
+  bundle_ = &bundle;
   rules_ = rules;
-  states_.clear();
-  double from = kInfinity;
-  double to = 0;
-  for (const Stretch& stretch : stretches) {
-    const double end = std::min(stretch.to, bundle_.depth[stretch.ray]);
-    if (!(stretch.from < end)) continue;
-    State& s = states_.emplace_back();
-    s.ray = stretch.ray;
-    s.clear = s.next = stretch.from;
-    s.end = end;
-    from = std::min(from, stretch.from);
-    to = std::max(to, end);
+  if (rays_.size() < groups) rays_.resize(groups);
+  if (beams_.size() < groups / kLanes + 1) beams_.resize(groups / kLanes + 1);
+  groups_in_use_ = 0;
+  clear_.resize(beams_.size() * kLanes);
+  end_.resize(beams_.size() * kLanes);
+  ray_of_.clear();
+}
+
+void FieldMarch::run(Bundle& bundle, const Field& field, const MarchRules& rules,
+                     std::span<const Stretch> stretches) {
+  reset(bundle, rules, (stretches.size() + kLanes - 1) / kLanes);
+  for (std::size_t i = 0; i < stretches.size(); i += kLanes) {
+    add_group(stretches.subspan(i, std::min<std::size_t>(kLanes, stretches.size() - i)));
   }
-  if (states_.empty()) return;
-  if (rules.prune && field.size() > kShortProgram) {
-    march(field, from, to);
+  run(field);
+}
+
+void FieldMarch::run(Bundle& bundle, const Field& field, const MarchRules& rules, const Box& box) {
+  reset(bundle, rules, bundle.rays.size());
+  double from[kLanes];
+  double to[kLanes];
+  for (std::size_t i = 0; i < bundle.rays.size(); ++i) {
+    kernel_.clip(bundle.rays[i], &box.lo.x, &box.hi.x, from, to);
+    rays_[i].rays = bundle.rays[i];
+    for (std::uint32_t k = 0; k < kLanes; ++k) {
+      ray_of_.push_back(static_cast<std::uint32_t>(i) * kLanes + k);
+    }
+    begin(from, to);
+  }
+  run(field);
+}
+
+void FieldMarch::run(const Field& field) {
+  Part all{0, static_cast<std::uint32_t>(groups_in_use_), kInfinity, 0};
+  for (std::size_t i = 0; i < groups_in_use_; ++i) {
+    all.t0 = std::min(all.t0, clear_[i]);
+    all.t1 = std::max(all.t1, end_[i]);
+  }
+  if (!(all.t0 < all.t1)) return;
+  if (rules_.prune && field.size() > kShortProgram) {
+    march(field, all);
   } else {
-    trace(field, to);
+    trace(field, all);
   }
-  for (const State& s : states_) bundle_.steps[s.ray] += static_cast<std::uint32_t>(s.steps);
+  count_steps();
 }
 
-// The box of all rays from t0 to t1; those that are done count no more.
-Box FieldMarch::box_of(double t0, double t1) const {
-  Box box;
-  for (const State& s : states_) {
-    if (s.done || s.clear >= t1) continue;
-    const Ray& ray = bundle_.rays[s.ray];
-    box.add(ray.origin + std::max(t0, s.clear) * ray.direction);
-    box.add(ray.origin + std::min(t1, s.end) * ray.direction);
+// A beam's evaluations are shared out among its rays.
+void FieldMarch::count_steps() {
+  for (std::size_t group = 0; group < groups_in_use_; ++group) {
+    const int led = beams_[group / kLanes].steps[group % kLanes];
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const std::uint32_t ray = ray_of_[group * kLanes + i];
+      if (ray == kNoRay) break;
+      const int steps = rays_[group].steps[i] + (led + kLanes / 2) / kLanes;
+      bundle_->steps[ray] += static_cast<std::uint32_t>(steps);
+    }
   }
-  if (box.empty()) return box;
-  const double slack = kFieldSlack * (largest(box.lo) + largest(box.hi));
-  return {box.lo - slack, box.hi + slack};
 }
 
-// Brings all rays to t1 or to their hit. All of them are free up to t0.
-void FieldMarch::march(const Field& field, double t0, double t1) {
-  const Box box = box_of(t0, t1);
-  if (box.empty()) return;
-  constexpr std::size_t kMostInstructions = 1000;  // more is too much to look at a whole stretch
-  // Shorter stretches than the bundle is wide cost more than they gain.
-  const glm::dvec3 size = box.size();
-  const double across = size.x + size.y + size.z - (t1 - t0);
-  const bool last = t1 - t0 < std::max(2 * across, 1e-3 * t1);
+// At most sixteen.
+void FieldMarch::add_group(std::span<const Stretch> stretches) {
+  const std::size_t n = stretches.size();
+  double from[kLanes];
+  double to[kLanes];
+  RayLanes& rays = rays_[groups_in_use_].rays;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    const Stretch& s = stretches[std::min(i, n - 1)];
+    ray_of_.push_back(i < n ? s.ray : kNoRay);
+    from[i] = s.from;
+    to[i] = i < n ? std::min(s.to, bundle_->depth[s.ray]) : -kInfinity;
+    const RayLanes& lanes = bundle_->rays[s.ray / kLanes];
+    for (int a = 0; a < 3; ++a) {
+      rays.start[a][i] = lanes.start[a][s.ray % kLanes];
+      rays.along[a][i] = lanes.along[a][s.ray % kLanes];
+    }
+  }
+  begin(from, to);
+}
+
+// The next group sets out.
+void FieldMarch::begin(const double* from, const double* to) {
+  const std::size_t group = groups_in_use_++;
+  const GroupWay way = kernel_.begin(rays_[group], from, to, beams_[group / kLanes],
+                                     static_cast<int>(group % kLanes));
+  clear_[group] = way.clear;
+  end_[group] = way.end;
+}
+
+// Brings all rays of the part to its end or to their hit. All of them are free up to its beginning.
+// What is pruned for it serves its halves, along the rays or across them, whichever is longer.
+void FieldMarch::march(const Field& field, const Part& part) {
+  const GroupRoom room =
+      kernel_.room(beams_.data(), clear_.data(), end_.data(), static_cast<int>(part.begin),
+                   static_cast<int>(part.end), part.t0, part.t1);
+  if (room.groups == 0) return;
+  const Box all = box_of(room.lo, room.hi);
+  const double error = kFieldSlack * (largest(all.lo) + largest(all.hi));
+  const Box box = {all.lo - error, all.hi + error};
+  const double length = part.t1 - part.t0;
+  const bool along = length > largest(box_of(room.far_lo, room.far_hi).size());
+  const bool single = part.end - part.begin == 1;
+  const bool few =
+      room.groups <= (along ? kFewAlong : kFewAcross) && field.size() <= kMostInstructions;
+  const bool last = few || (single && !along) || length < 1e-3 * part.t1;
   const auto here = field.restricted(box, last ? kAnyLength : kMostInstructions);
   if (here) {
     const double nearest = rules_.sign > 0 ? here->range.lo : -here->range.hi;
-    if (nearest > 2 * rules_.tolerance * t1 + kFieldSlack * (largest(box.lo) + largest(box.hi))) {
-      return jump(t1);
-    }
-    if (last || here->field.size() <= kShortProgram) return trace(here->field, t1);
+    // All jump: whatever comes next starts at its end.
+    if (nearest > 2 * rules_.tolerance * part.t1 + error) return;
+    if (last || here->field.size() <= kShortProgram) return trace(here->field, part);
   }
   const Field left = here ? here->field : field;
-  const double middle = 0.5 * (t0 + t1);
-  march(left, t0, middle);
-  march(left, middle, t1);
+  Part first = part;
+  Part second = part;
+  if (along || single) {
+    first.t1 = second.t0 = 0.5 * (part.t0 + part.t1);
+  } else {
+    first.end = second.begin = part.begin + (part.end - part.begin) / 2;
+  }
+  march(left, first);
+  march(left, second);
 }
 
-void FieldMarch::jump(double t1) {
-  for (State& s : states_) {
-    if (s.done || s.clear >= t1) continue;
-    s.clear = s.next = t1;
-    s.relaxed = s.known = false;
-    s.done = t1 >= s.end;
+// Steps of all rays of a part, from its beginning, up to where they are free, to its end.
+void FieldMarch::trace(const Field& field, const Part& part) {
+  const auto [begin, end, t0, t1] = part;
+  groups_.clear();
+  for (std::uint32_t i = begin; i < end; ++i) {
+    if (clear_[i] < t1 && t0 < end_[i]) groups_.push_back(i);
+  }
+  if (groups_.empty()) return;
+  const auto n = static_cast<int>(groups_.size());
+  kernel_.rebase(rays_.data(), groups_.data(), n, t0);
+  StepRule rule{rules_.sign,
+                static_cast<float>(rules_.tolerance),
+                static_cast<float>(rules_.tolerance * t0),
+                0,
+                static_cast<float>(t1 - t0),
+                rules_.relax,
+                rules_.convex};
+  if (rules_.beams) lead(field, t0, rule);
+  list_ = groups_;
+  steps(field, rays_, list_, rule, rules_.beams ? from_.data() : nullptr);
+  for (const std::uint32_t i : groups_) collect(i);
+}
+
+// How far the beams of the groups come: from_, of each group.
+void FieldMarch::lead(const Field& field, double t0, StepRule rule) {
+  beam_list_.clear();
+  for (const std::uint32_t i : groups_) {
+    const std::uint32_t b = i / kLanes;
+    if (!beam_list_.empty() && beam_list_.back() == b) continue;
+    beam_list_.push_back(b);
+    std::fill_n(beams_[b].end, kLanes, RayGroup::kNever);
+  }
+  kernel_.rebase(beams_.data(), beam_list_.data(), static_cast<int>(beam_list_.size()), t0);
+  for (const std::uint32_t i : groups_) {
+    RayGroup& beam = beams_[i / kLanes];
+    const std::uint32_t lane = i % kLanes;
+    beam.clear[lane] = beam.next[lane] = static_cast<float>(std::max(clear_[i] - t0, 0.0));
+    beam.end[lane] = static_cast<float>(end_[i] - t0);
+    beam.last[lane] = RayGroup::kNever;
+    beam.slope[lane] = -1;
+    beam.hit[lane] = RayGroup::kNotHit;
+  }
+  rule.convex = false;
+  rule.share = kShare;
+  steps(field, beams_, beam_list_, rule, nullptr);
+  from_.clear();
+  for (const std::uint32_t i : groups_) {
+    const RayGroup& beam = beams_[i / kLanes];
+    from_.push_back(std::min(beam.clear[i % kLanes], beam.hit[i % kLanes]));
   }
 }
 
-// Steps of all rays before t1, a batch a time.
-void FieldMarch::trace(const Field& field, double t1) {
-  active_.clear();
-  for (std::size_t i = 0; i < states_.size(); ++i) {
-    State& s = states_[i];
-    s.next = std::max(s.clear, std::min(s.next, t1));
-    if (!s.done && s.clear < t1) active_.push_back(static_cast<std::uint32_t>(i));
-  }
-  while (!active_.empty()) {
-    columns_.resize(4 * active_.size());
-    const std::size_t n = active_.size();
-    float* const x = columns_.data();
-    for (std::size_t k = 0; k < n; ++k) {
-      const State& s = states_[active_[k]];
-      const Ray& ray = bundle_.rays[s.ray];
-      const glm::dvec3 p = ray.origin + s.next * ray.direction;
-      for (int a = 0; a < 3; ++a) x[a * n + k] = static_cast<float>(p[a]);
+// Until all groups of the list have arrived at the limit.
+void FieldMarch::steps(const Field& field, std::vector<RayGroup>& groups,
+                       std::vector<std::uint32_t>& list, const StepRule& rule, const float* from) {
+  const std::size_t column = list.size() * kLanes;
+  columns_.resize(4 * list.size());
+  float* const first = columns_.data()->lanes;
+  float* const p[3] = {first, first + column, first + 2 * column};
+  float* const values = first + 3 * column;
+  int n =
+      kernel_.place(groups.data(), list.data(), static_cast<int>(list.size()), from, rule.limit, p);
+  while (n > 0) {
+    field.evaluate(std::size_t(n) * kLanes, p[0], p[1], p[2], values);
+    FreeWays ways{};
+    if (rules_.bounds != nullptr && rule.share == 0) {
+      ways = ways_of({list.data(), std::size_t(n)}, rule, values);
     }
-    field.evaluate(n, x, x + n, x + 2 * n, x + 3 * n);
-    std::size_t left = 0;
-    for (std::size_t k = 0; k < n; ++k) {
-      const float far = std::max({std::fabs(x[k]), std::fabs(x[n + k]), std::fabs(x[2 * n + k])});
-      State& s = states_[active_[k]];
-      step(s, double(rules_.sign) * double(x[3 * n + k]), kFieldSlack * double(far), t1);
-      if (!s.done && s.clear < t1) active_[left++] = active_[k];
-    }
-    active_.resize(left);
+    n = kernel_.step(groups.data(), list.data(), n, rule, values, ways, p);
   }
 }
 
-// How far the way is free from t on, ahead or back, where the field's value is `r`: not beyond the
-// cell in which the slope holds, though the surface may be farther.
-FieldMarch::Free FieldMarch::free_way(const Ray& ray, double t, double r, double direction) const {
-  const double reach = std::fabs(r);
-  if (rules_.bounds == nullptr) return {reach, reach};
-  const glm::dvec3 p = ray.origin + t * ray.direction;
-  const LocalBounds::Cell cell = rules_.bounds->at(p);
-  if (!(cell.slope < 1)) return {reach, reach};
-  const double leaves = clip({p, direction * ray.direction}, cell.box).to;
-  const double surface = reach / cell.slope;
-  return {std::max(reach, std::min(surface, leaves)), surface};
-}
-
-// Whether a relaxed step to s.next must be taken back: the way between is free if what both of its
-// ends know of it meets.
-bool FieldMarch::taken_back(State& s, double r) const {
-  if (r >= 0 && s.next - free_way(bundle_.rays[s.ray], s.next, r, -1).way <= s.clear) return false;
-  s.next = s.clear;
-  s.slope = -1;
-  s.relaxed = false;
-  return true;
-}
-
-// How far the way ahead of s.next is free. A convex function lies above the line through two of its
-// values, beyond them: infinite if that does not fall.
-FieldMarch::Free FieldMarch::ahead_of(const State& s, double r, double error) const {
-  const Free ahead = free_way(bundle_.rays[s.ray], s.next, r, 1);
-  if (!rules_.convex || !s.known) return ahead;
-  const double fall = (s.value - r + 2 * error) / (s.next - s.last);
-  const double above = fall > 0 ? (r - error) / fall : kInfinity;
-  return {std::max(ahead.way, above), std::max(ahead.surface, above)};
-}
-
-// Takes in that the field is `r` at s.next.
-void FieldMarch::step(State& s, double r, double error, double t1) {
-  ++s.steps;
-  const double t = s.next;
-  if (s.relaxed && t > s.clear && taken_back(s, r)) return;
-  const Free known = ahead_of(s, r, error);
-  const double ahead = std::max(known.way, 0.5 * error);
-  if (r < 0 || known.surface < rules_.tolerance * t + error) {
-    double& depth = bundle_.depth[s.ray];
-    depth = std::min(depth, r < 0 ? t : t + ahead);
-    s.done = true;
-    return;
+// How far the way is free around where rays are evaluated next, with the values there: not beyond
+// the cell in which the slope holds, though the surface may be farther.
+FreeWays FieldMarch::ways_of(std::span<const std::uint32_t> list, const StepRule& rule,
+                             const float* values) {
+  const std::size_t column = list.size() * kLanes;
+  ways_.resize(3 * column);
+  float* const ahead = ways_.data();
+  float* const surface = ahead + column;
+  float* const back = surface + column;
+  for (std::size_t k = 0; k < column; ++k) {
+    const RayGroup& g = rays_[list[k / kLanes]];
+    const std::size_t i = k % kLanes;
+    ahead[k] = surface[k] = back[k] = std::fabs(values[k]);
+    if (!(g.clear[i] < std::min(g.end[i], rule.limit))) continue;
+    const glm::dvec3 along(g.rays.along[0][i], g.rays.along[1][i], g.rays.along[2][i]);
+    const glm::dvec3 start(g.rays.start[0][i], g.rays.start[1][i], g.rays.start[2][i]);
+    const glm::dvec3 p = start + (g.base + double(g.next[i])) * along;
+    const LocalBounds::Cell cell = rules_.bounds->at(p);
+    if (!(cell.slope < 1)) continue;
+    const double free = double(ahead[k]) / cell.slope;
+    const auto way = [&](double direction) {
+      const double leaves = clip({p, direction * along}, cell.box).to;
+      return std::max(ahead[k], static_cast<float>(std::min(free, leaves)));
+    };
+    back[k] = way(-1);
+    ahead[k] = way(1);
+    surface[k] = static_cast<float>(free);
   }
-  s.clear = t + ahead;
-  double next = s.clear;
-  if (rules_.relax && !rules_.convex) {
-    if (s.known && s.relaxed) {
-      const double slope = (r - s.value) / (t - s.last);
-      s.slope += kMomentum * (std::clamp(slope, -1.0, 0.99) - s.slope);
-    }
-    next = t + 2 * ahead / (1 - s.slope);
-    s.relaxed = true;
+  return {ahead, surface, back};
+}
+
+// Takes the hits of a group, and what it has before it.
+void FieldMarch::collect(std::uint32_t group) {
+  RayGroup& g = rays_[group];
+  const GroupRest rest = kernel_.rest(g);
+  for (int i = 0; i < kLanes; ++i) {
+    if ((rest.hits >> i & 1U) == 0) continue;
+    double& depth = bundle_->depth[ray_of_[std::size_t{group} * kLanes + i]];
+    depth = std::min(depth, g.base + double(g.hit[i]));
+    g.hit[i] = RayGroup::kNotHit;
   }
-  // Beyond t1 this program does not hold, beyond the end no local bound: only what is certain goes
-  // there.
-  s.next = std::max(s.clear, std::min(next, std::min(t1, s.end)));
-  s.last = t;
-  s.value = r;
-  s.known = true;
-  s.done = s.clear >= s.end || s.steps >= kMostSteps;
+  clear_[group] = g.base + double(rest.clear);
+  end_[group] = g.base + double(rest.end);
 }
 
 }  // namespace sdfgrid

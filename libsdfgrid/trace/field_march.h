@@ -9,11 +9,9 @@
 #include "sdfgrid/field/field.h"
 #include "sdfgrid/field/local_bounds.h"
 #include "sdfgrid/trace/camera.h"
+#include "sdfgrid/trace/step_kernel.h"
 
 namespace sdfgrid {
-
-// What float evaluation may be off, in proportion to a coordinate.
-inline constexpr double kFieldSlack = 1.5e-6;
 
 // Where a ray is in the box: from > to if it is not.
 struct Span {
@@ -30,64 +28,73 @@ struct Stretch {
 struct MarchRules {
   bool relax = true;
   bool prune = true;
+  bool beams = true;                    // rays beside each other first go together
   bool convex = false;                  // the field's value is a convex function along any ray
   const LocalBounds* bounds = nullptr;  // null: the slope is 1 everywhere
   double tolerance = 0;                 // as in FieldTracer::trace
   float sign = 1;                       // of the field where the stretches begin
 };
 
-// The rays of one bundle and what is known of them so far.
+// The rays of one bundle and what is known of them so far. Ray i is lane i % 16 of group i / 16.
 struct Bundle {
-  std::span<const Ray> rays;
+  std::size_t size = 0;
+  std::vector<RayLanes> rays;
   std::vector<double> depth;         // of the first hit; infinite if there is none
   std::vector<std::uint32_t> steps;  // evaluations
 
-  explicit Bundle(std::span<const Ray> of);
+  // Nothing is known yet of so many rays.
+  void reset(std::size_t count);
+  void set(std::span<const Ray> of);
+  [[nodiscard]] Ray ray(std::size_t i) const;
 };
 
 // Memory is kept from one run to the next.
 class FieldMarch {
  public:
-  explicit FieldMarch(Bundle& bundle) : bundle_(bundle) {}
-
-  // Lowers the bundle's depths to the first hits of the field within the stretches.
-  void run(const Field& field, const MarchRules& rules, std::span<const Stretch> stretches);
+  // Lowers the bundle's depths to the first hits of the field within the stretches. Those that lie
+  // beside each other in the list should be beside each other in space.
+  void run(Bundle& bundle, const Field& field, const MarchRules& rules,
+           std::span<const Stretch> stretches);
+  // All rays, within a box.
+  void run(Bundle& bundle, const Field& field, const MarchRules& rules, const Box& box);
 
  private:
-  struct State {
-    std::uint32_t ray;
-    bool relaxed = false;  // the step to `next` may have to be taken back
-    bool known = false;    // `last` and `value` are
-    bool done = false;
-    int steps = 0;
-    double clear;       // the way up to here is known to be free
-    double next;        // where the field is evaluated next: more than clear only if relaxed
-    double end;         // of the stretch
-    double last = 0;    // where the field was evaluated last, and
-    double value = 0;   // what it was there
-    double slope = -1;  // of the field along the ray, smoothed
+  static constexpr int kLanes = RayGroup::kLanes;
+
+  struct alignas(64) Column {
+    float lanes[kLanes];
+  };
+  // Groups beside each other, and what is not known to be free of their way.
+  struct Part {
+    std::uint32_t begin, end;
+    double t0, t1;
   };
 
-  // What a value says of the way: how far it is free, and how far the surface is at least as long
-  // as the slope stays.
-  struct Free {
-    double way, surface;
-  };
+  void reset(Bundle& bundle, const MarchRules& rules, std::size_t groups);
+  void add_group(std::span<const Stretch> stretches);
+  void begin(const double* from, const double* to);
+  void run(const Field& field);
+  void march(const Field& field, const Part& part);
+  void trace(const Field& field, const Part& part);
+  void lead(const Field& field, double t0, StepRule rule);
+  void steps(const Field& field, std::vector<RayGroup>& groups, std::vector<std::uint32_t>& list,
+             const StepRule& rule, const float* from);
+  void collect(std::uint32_t group);
+  void count_steps();
+  [[nodiscard]] FreeWays ways_of(std::span<const std::uint32_t> list, const StepRule& rule,
+                                 const float* values);
 
-  void march(const Field& field, double t0, double t1);
-  void trace(const Field& field, double t1);
-  void jump(double t1);
-  void step(State& s, double r, double error, double t1);
-  [[nodiscard]] bool taken_back(State& s, double r) const;
-  [[nodiscard]] Free ahead_of(const State& s, double r, double error) const;
-  [[nodiscard]] Free free_way(const Ray& ray, double t, double r, double direction) const;
-  [[nodiscard]] Box box_of(double t0, double t1) const;
-
-  Bundle& bundle_;
+  const StepKernel& kernel_ = step_kernel();
+  Bundle* bundle_ = nullptr;
   MarchRules rules_;
-  std::vector<State> states_;
-  std::vector<std::uint32_t> active_;  // states that are not done
-  std::vector<float> columns_;
+  // Never made smaller; lane i of beam j leads the group 16 j + i.
+  std::vector<RayGroup> rays_, beams_;
+  std::size_t groups_in_use_ = 0;
+  std::vector<double> clear_, end_;    // of each, GroupWay in columns
+  std::vector<std::uint32_t> ray_of_;  // of each lane
+  std::vector<std::uint32_t> list_, groups_, beam_list_;
+  std::vector<Column> columns_;
+  std::vector<float> ways_, from_;
 };
 
 }  // namespace sdfgrid

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <limits>
 
 #include "sdfgrid/core/error.h"
@@ -16,8 +17,8 @@ namespace sdfgrid {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kTile = 32;          // pixels a side of a bundle
-constexpr int kBlock = 4 * kTile;  // of a square for which the program is pruned first
+constexpr int kTile = 64;          // pixels a side of a bundle
+constexpr int kBlock = 2 * kTile;  // of a square for which the program is pruned first
 
 double largest(const glm::dvec3& v) {
   return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
@@ -43,52 +44,98 @@ FieldTracer::FieldTracer(const Field& field, const Box& region, FieldTraceOption
 FieldTracer::~FieldTracer() = default;
 
 // `field` is what is left of the whole for these rays.
-void FieldTracer::trace(Bundle& bundle, const Field& field, double tolerance) const {
-  MarchRules rules{options_.relax, options_.prune, false, bounds_.get(), tolerance, 1};
-  if (field_(glm::vec3(bundle.rays[0].origin)) < 0) rules.sign = -1;
-  if (objects_ && rules.sign > 0) return objects_->trace(bundle, rules, options_.convex);
-  std::vector<Stretch> stretches;
-  for (std::size_t i = 0; i < bundle.rays.size(); ++i) {
-    const Span s = clip(bundle.rays[i], region_);
-    if (s.from < s.to) stretches.push_back({static_cast<std::uint32_t>(i), s.from, s.to});
-  }
-  FieldMarch(bundle).run(field, rules, stretches);
+void FieldTracer::trace(Bundle& bundle, const Field& field, double tolerance,
+                        FieldMarch& march) const {
+  MarchRules rules;
+  rules.relax = options_.relax;
+  rules.prune = options_.prune;
+  rules.beams = options_.beams;
+  rules.bounds = bounds_.get();
+  rules.tolerance = tolerance;
+  if (field_(glm::vec3(bundle.ray(0).origin)) < 0) rules.sign = -1;
+  if (objects_ && rules.sign > 0) return objects_->trace(bundle, rules, options_.convex, march);
+  march.run(bundle, field, rules, region_);
 }
 
 namespace {
 
-void write_results(const Bundle& bundle, std::size_t first, std::size_t count, float* depth,
-                   std::uint16_t* steps) {
-  for (std::size_t i = 0; i < count; ++i) {
-    depth[i] = static_cast<float>(bundle.depth[first + i]);
-    if (steps == nullptr) continue;
-    steps[i] = static_cast<std::uint16_t>(std::min(bundle.steps[first + i], 65535U));
-  }
+std::uint16_t counted(std::uint32_t steps) {
+  return static_cast<std::uint16_t>(std::min(steps, 65535U));
 }
 
 }  // namespace
 
 void FieldTracer::trace(std::span<const Ray> rays, double tolerance, std::span<float> depth,
                         std::span<std::uint16_t> steps) const {
-  constexpr std::size_t kBundle = std::size_t{kTile} * kTile;
+  constexpr std::size_t kBundle = 1024;
+  Bundle bundle;
+  FieldMarch march;
   for (std::size_t i = 0; i < rays.size(); i += kBundle) {
     const std::size_t n = std::min(kBundle, rays.size() - i);
-    Bundle bundle(rays.subspan(i, n));
-    trace(bundle, field_, tolerance);
-    write_results(bundle, 0, n, depth.data() + i, steps.empty() ? nullptr : steps.data() + i);
+    bundle.set(rays.subspan(i, n));
+    trace(bundle, field_, tolerance, march);
+    for (std::size_t k = 0; k < n; ++k) {
+      depth[i + k] = static_cast<float>(bundle.depth[k]);
+      if (!steps.empty()) steps[i + k] = counted(bundle.steps[k]);
+    }
   }
 }
 
 namespace {
 
-std::vector<Ray> rays_of(const RayGenerator& generator, const PixelSquare& square) {
-  std::vector<Ray> rays;
-  for (int y = 0; y < square.height; ++y) {
-    for (int x = 0; x < square.width; ++x) {
-      rays.push_back(generator.ray(square.x + x + 0.5, square.y + y + 0.5));
+PacketCamera packet_camera(const RayGenerator& generator, const glm::dvec3& eye) {
+  PacketCamera c{};
+  for (int a = 0; a < 3; ++a) {
+    c.eye[a] = eye[a];
+    c.corner[a] = generator.corner()[a];
+    c.right[a] = generator.right()[a];
+    c.down[a] = generator.down()[a];
+  }
+  return c;
+}
+
+constexpr int kSide = 4;  // pixels of a block
+
+// The blocks of 4 x 4 pixels that cover a square, in the order of a Z: halves of the list, and
+// halves of those, are beside each other.
+std::vector<glm::ivec2> blocks_of(const PixelSquare& square) {
+  const auto every_second_bit = [](int z) {
+    int r = 0;
+    for (int bit = 0; bit < 8; ++bit) r |= (z >> 2 * bit & 1) << bit;
+    return r;
+  };
+  std::vector<glm::ivec2> blocks;
+  constexpr int kMost = kTile / kSide * (kTile / kSide);
+  for (int z = 0; z < kMost; ++z) {
+    const glm::ivec2 at = kSide * glm::ivec2(every_second_bit(z), every_second_bit(z >> 1));
+    if (at.x < square.width && at.y < square.height) {
+      blocks.emplace_back(square.x + at.x, square.y + at.y);
     }
   }
-  return rays;
+  return blocks;
+}
+
+void look(const PacketCamera& camera, std::span<const glm::ivec2> blocks, Bundle& bundle) {
+  bundle.reset(blocks.size() * RayLanes::kLanes);
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    step_kernel().look(camera, blocks[i].x, blocks[i].y, bundle.rays[i]);
+  }
+}
+
+// Blocks may lie partly beyond the picture.
+void write_results(const Bundle& bundle, std::span<const glm::ivec2> blocks, HitBuffer& hits) {
+  std::size_t i = 0;
+  for (const glm::ivec2& block : blocks) {
+    for (int y = block.y; y < block.y + kSide; ++y) {
+      const std::size_t pixel = std::size_t(y) * hits.width + block.x;
+      const int width = y < hits.height ? std::min(kSide, hits.width - block.x) : 0;
+      for (int x = 0; x < width; ++x) {
+        hits.depth[pixel + x] = static_cast<float>(bundle.depth[i + x]);
+        hits.steps[pixel + x] = counted(bundle.steps[i + x]);
+      }
+      i += kSide;
+    }
+  }
 }
 
 }  // namespace
@@ -122,19 +169,12 @@ HitBuffer FieldTracer::trace_primary(const Camera& camera, const Job& job) const
   hits.steps.assign(pixels, 0);
   const RayGenerator generator(camera);
   const double tolerance = 0.02 * glm::length(generator.right());
-  const auto tile = [&](const Field& field, const PixelSquare& square) {
-    const std::vector<Ray> rays = rays_of(generator, square);
-    Bundle bundle(rays);
-    trace(bundle, field, tolerance);
-    for (int y = 0; y < square.height; ++y) {
-      const std::size_t row = std::size_t(square.y + y) * camera.width + square.x;
-      write_results(bundle, std::size_t(y) * square.width, square.width, &hits.depth[row],
-                    &hits.steps[row]);
-    }
-  };
+  const PacketCamera packets = packet_camera(generator, camera.eye);
   const int across = (camera.width + kBlock - 1) / kBlock;
   const int down = (camera.height + kBlock - 1) / kBlock;
   parallel_for(std::size_t(across) * down, 1, job, [&](std::size_t begin, std::size_t end) {
+    Bundle bundle;
+    FieldMarch march;
     for (std::size_t i = begin; i < end; ++i) {
       const int left = static_cast<int>(i % across) * kBlock;
       const int top = static_cast<int>(i / across) * kBlock;
@@ -145,7 +185,11 @@ HitBuffer FieldTracer::trace_primary(const Camera& camera, const Job& job) const
       for (int y = top; y < bottom; y += kTile) {
         job.checkpoint();
         for (int x = left; x < right; x += kTile) {
-          tile(here, {x, y, std::min(kTile, right - x), std::min(kTile, bottom - y)});
+          const PixelSquare square{x, y, std::min(kTile, right - x), std::min(kTile, bottom - y)};
+          const std::vector<glm::ivec2> blocks = blocks_of(square);
+          look(packets, blocks, bundle);
+          trace(bundle, here, tolerance, march);
+          write_results(bundle, blocks, hits);
         }
       }
     }

@@ -5,12 +5,14 @@
 // along a ray past a convex one its distance is a convex function, so that the next step goes to
 // where the line through the last two values ends, or nowhere. Of one object:
 //
-// Rays go in bundles that run close to each other. The stretch of space that a bundle runs through
-// is divided along the rays: where the field's interval shows nothing, all of them jump; elsewhere
-// they are traced with what pruning leaves of the program, a batch of them at a time. Steps are as
-// long as the local bound on the gradient allows (field/local_bounds.h), and longer where the field
-// lets them: relaxed as by R. Ban and G. Valasek, "Automatic Step Size Relaxation in Sphere
-// Tracing" (2023), taken back where two steps do not prove the way between them free.
+// Rays go in bundles that run close to each other. The space that a bundle runs through is divided
+// in two, again and again, along the rays or across them, and the program pruned on the way down:
+// where the field's interval shows nothing, all of them jump; elsewhere they are traced with what
+// is left of the program, a batch of them at a time. Sixteen rays beside each other first go
+// together, as a beam. Steps are as long as the local bound on the gradient allows
+// (field/local_bounds.h), and longer where the field lets them: relaxed as by R. Ban and G.
+// Valasek, "Automatic Step Size Relaxation in Sphere Tracing" (2023), taken back where two steps do
+// not prove the way between them free.
 #pragma once
 
 #include <cstdint>
@@ -33,8 +35,10 @@ struct FieldTraceOptions {
   bool prune = true;
   bool objects = true;  // the parts of a union each by itself, found through a tree of boxes
   bool convex = true;   // steps of objects that are convex follow the secant
+  bool beams = true;    // rays beside each other go together as long as they are far from anything
 };
 
+class FieldMarch;
 class ObjectTree;
 struct Bundle;
 
@@ -64,7 +68,7 @@ class FieldTracer {
   [[nodiscard]] const Box& region() const { return region_; }
 
  private:
-  void trace(Bundle& bundle, const Field& field, double tolerance) const;
+  void trace(Bundle& bundle, const Field& field, double tolerance, FieldMarch& march) const;
   [[nodiscard]] Box seen_through(const RayGenerator& generator, const glm::dvec3& eye,
                                  const PixelSquare& square) const;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <limits>
 
 namespace sdfgrid {
@@ -12,16 +13,22 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr int kFewLevels = 3;  // of local bounds, where there are many objects
 
-// The rays of a bundle, prepared for boxes.
+// The beam around a group of rays, prepared for boxes.
 struct Line {
   glm::dvec3 origin, inverse;
+  double width, widening;  // the radius is width + widening * t
 };
 
-// Where a line is in a box, within what is given.
+// Where rays of a beam may be in a box, within what is given. A ray is in the box no later than at
+// the distance of its farthest corner, and the beam's axis then no farther from the box than the
+// beam is wide there.
 inline Span within(const Line& line, const Box& box, Span s) {
+  const glm::dvec3 farthest =
+      glm::max(glm::abs(box.lo - line.origin), glm::abs(box.hi - line.origin));
+  const double radius = line.width + line.widening * (line.width + glm::length(farthest));
   for (int a = 0; a < 3; ++a) {
-    const double t0 = (box.lo[a] - line.origin[a]) * line.inverse[a];
-    const double t1 = (box.hi[a] - line.origin[a]) * line.inverse[a];
+    const double t0 = (box.lo[a] - radius - line.origin[a]) * line.inverse[a];
+    const double t1 = (box.hi[a] + radius - line.origin[a]) * line.inverse[a];
     const double near = t1 < t0 ? t1 : t0;
     const double far = t1 < t0 ? t0 : t1;
     s.from = near > s.from ? near : s.from;
@@ -30,21 +37,35 @@ inline Span within(const Line& line, const Box& box, Span s) {
   return s;
 }
 
-// A node that waits, and which rays may meet it.
+// A group of sixteen rays, and where they may meet a node.
+struct Passage {
+  std::uint32_t group;
+  double from, to;
+};
+
+// A node that waits, and which groups may meet it.
 struct Waiting {
   double nearest;
   std::uint32_t node;
-  std::uint32_t begin, end;  // of its stretches in the list of all
+  std::uint32_t begin, end;  // of its passages in the list of all
   bool operator<(const Waiting& other) const { return nearest > other.nearest; }
 };
 
 class Traversal {
  public:
-  Traversal(const ObjectTree& tree, Bundle& bundle, const MarchRules& rules, bool use_convex)
-      : tree_(tree), bundle_(bundle), rules_(rules), use_convex_(use_convex), march_(bundle) {
-    for (const Ray& ray : bundle.rays) {
-      lines_.push_back({ray.origin, 1.0 / ray.direction});
+  Traversal(const ObjectTree& tree, Bundle& bundle, const MarchRules& rules, bool use_convex,
+            FieldMarch& march)
+      : tree_(tree), bundle_(bundle), rules_(rules), use_convex_(use_convex), march_(march) {
+    for (const RayLanes& rays : bundle.rays) {
+      RayGroup beam;
+      step_kernel().beam(rays, beam, 0);
+      const auto of = [](const double(&column)[3][RayLanes::kLanes]) {
+        return glm::dvec3(column[0][0], column[1][0], column[2][0]);
+      };
+      lines_.push_back({of(beam.rays.start), 1.0 / of(beam.rays.along), double(beam.width[0]),
+                        double(beam.widening[0])});
     }
+    deepest_.assign(lines_.size(), kInfinity);
   }
 
   void run() {
@@ -65,15 +86,15 @@ class Traversal {
   }
 
  private:
-  // Lets a node wait for those of the rays that may meet it before what they hit.
+  // Lets a node wait for those of the groups that may meet it before what they hit.
   void push(std::uint32_t node, std::uint32_t begin, std::uint32_t end) {
     const Box& box = tree_.nodes()[node].box;
     Waiting waiting{kInfinity, node, static_cast<std::uint32_t>(all_.size()), 0};
     for (std::uint32_t i = begin; i < end; ++i) {
-      const Stretch at = all_[i];
-      const Span s = within(lines_[at.ray], box, {at.from, std::min(at.to, bundle_.depth[at.ray])});
+      const Passage at = all_[i];
+      const Span s = within(lines_[at.group], box, {at.from, std::min(at.to, deepest_[at.group])});
       if (!(s.from <= s.to)) continue;
-      all_.push_back({at.ray, s.from, s.to});
+      all_.push_back({at.group, s.from, s.to});
       waiting.nearest = std::min(waiting.nearest, s.from);
     }
     waiting.end = static_cast<std::uint32_t>(all_.size());
@@ -86,16 +107,41 @@ class Traversal {
     MarchRules rules = rules_;
     rules.convex = use_convex_ && object.convex;
     rules.bounds = object.bounds.get();
-    march_.run(object.field, rules, std::span(all_).subspan(at.begin, at.end - at.begin));
+    const std::span<const Passage> groups = std::span(all_).subspan(at.begin, at.end - at.begin);
+    stretches_.clear();
+    for (const Passage& passage : groups) add_rays(passage.group, object.box);
+    if (stretches_.empty()) return;
+    march_.run(bundle_, object.field, rules, stretches_);
+    for (const Passage& passage : groups) {
+      const double* const depth = bundle_.depth.data() + std::size_t{passage.group} * kLanes;
+      deepest_[passage.group] = *std::max_element(depth, depth + kLanes);
+    }
   }
 
+  // The stretches of a group's rays in a box, before what they hit.
+  void add_rays(std::uint32_t group, const Box& box) {
+    double from[kLanes];
+    double to[kLanes];
+    step_kernel().clip(bundle_.rays[group], &box.lo.x, &box.hi.x, from, to);
+    const std::size_t first = std::size_t{group} * kLanes;
+    const std::size_t n = std::min<std::size_t>(kLanes, bundle_.size - first);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double end = std::min(to[i], bundle_.depth[first + i]);
+      if (from[i] < end)
+        stretches_.push_back({static_cast<std::uint32_t>(first + i), from[i], end});
+    }
+  }
+
+  static constexpr int kLanes = RayLanes::kLanes;
   const ObjectTree& tree_;
   Bundle& bundle_;
   MarchRules rules_;
   bool use_convex_;
-  FieldMarch march_;
-  std::vector<Line> lines_;
-  std::vector<Stretch> all_;
+  FieldMarch& march_;
+  std::vector<Line> lines_;      // of each group
+  std::vector<double> deepest_;  // of its rays' hits so far
+  std::vector<Passage> all_;
+  std::vector<Stretch> stretches_;
   std::vector<Waiting> heap_;
 };
 
@@ -157,9 +203,10 @@ void ObjectTree::build(std::uint32_t node, std::uint32_t begin, std::uint32_t en
   build(children + 1, half, end);
 }
 
-void ObjectTree::trace(Bundle& bundle, const MarchRules& rules, bool use_convex) const {
+void ObjectTree::trace(Bundle& bundle, const MarchRules& rules, bool use_convex,
+                       FieldMarch& march) const {
   if (nodes_.empty()) return;
-  Traversal(*this, bundle, rules, use_convex).run();
+  Traversal(*this, bundle, rules, use_convex, march).run();
 }
 
 }  // namespace sdfgrid

@@ -5,7 +5,8 @@
 // along a ray, boxes and objects, waits in a heap, nearest first; a box is replaced by the two in
 // it, an object is traced within its box. An object that was evaluated is next evaluated where
 // that value ends, whatever the others make of the ray: the triangle inequality bounds it until
-// then. Here a heap serves a bundle of rays, each entry with those that may meet it.
+// then. Here a heap serves a bundle of rays, each entry with those groups of sixteen that may meet
+// it.
 #pragma once
 
 #include <memory>
@@ -31,7 +32,7 @@ class ObjectTree {
 
   // First hits of all rays of the bundle, which start outside of all objects. Of `rules` convex and
   // bounds are set for each object; `use_convex` allows the former.
-  void trace(Bundle& bundle, const MarchRules& rules, bool use_convex) const;
+  void trace(Bundle& bundle, const MarchRules& rules, bool use_convex, FieldMarch& march) const;
 
   // An inner node has its two children at `first` and the next place; a leaf (count 1) its object.
   struct Node {

@@ -4,6 +4,7 @@
 #include "sdfgrid/trace/packet_kernel.h"
 
 #include "sdfgrid/core/simd.h"
+#include "sdfgrid/trace/look_through.h"
 #include "sdfgrid/trace/packet_beam.h"
 #include "sdfgrid/trace/packet_cell.h"
 #include "sdfgrid/trace/packet_rays.h"
@@ -230,29 +231,15 @@ void trace(const PacketScene& scene, PacketRays& in, PacketHits& hits) {
   }
 }
 
-// The rays through the middles of 4 x 4 squares of `size` pixels, (x, y) the first pixel.
-Start look_through(const PacketCamera& camera, int x, int y, int size, double from) {
-  double column[kLanes];
-  double row[kLanes];
-  for (int i = 0; i < kLanes; ++i) {
-    column[i] = x + size * (i % 4 + 0.5);
-    row[i] = y + size * (i / 4 + 0.5);
-  }
+Start start_of(const PacketCamera& camera, int x, int y, int size, double from) {
   Start start{camera.eye, {}, splat16(from)};
-  D16 square = splat16(0);
-  for (int a = 0; a < 3; ++a) {
-    start.direction[a] = splat16(camera.corner[a]) + splat16(camera.right[a]) * load16(column) +
-                         splat16(camera.down[a]) * load16(row);
-    square = square + start.direction[a] * start.direction[a];
-  }
-  const D16 scale = splat16(1) / sqrt(square);
-  for (D16& direction : start.direction) direction = direction * scale;
+  look_through(camera, x, y, size, start.direction);
   return start;
 }
 
 void march_packets(const PacketScene& scene, const PacketCamera& camera, int x, int y,
                    double spread, double from, double* starts) {
-  const Start start = look_through(camera, x, y, 4, from);
+  const Start start = start_of(camera, x, y, 4, from);
   const F16 radius = splat(static_cast<float>(spread * from) * 1.000001F + kBeamSlack);
   const BeamEnds ends =
       march(scene, make_lanes(scene, start), radius, static_cast<float>(spread) * 1.000001F);
@@ -264,7 +251,7 @@ void march_packets(const PacketScene& scene, const PacketCamera& camera, int x, 
 }
 
 void add_rays(const PacketCamera& camera, int x, int y, double from, PacketRays& rays) {
-  const Start start = look_through(camera, x, y, 1, from);
+  const Start start = start_of(camera, x, y, 1, from);
   const int first = rays.packets * kLanes;
   for (int a = 0; a < 3; ++a) {
     store16(rays.direction[a] + first, start.direction[a]);

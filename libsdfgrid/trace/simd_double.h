@@ -1,5 +1,5 @@
-// trace/simd_double.h: sixteen doubles beside the floats of core/simd.h, for packet_kernel.cpp only
-// (not installed), where places far from zero are made relative to a cell nearby.
+// trace/simd_double.h: sixteen doubles beside the floats of core/simd.h, for the *_kernel.cpp files
+// of trace/ only (not installed), where places far from zero are made relative to one nearby.
 #pragma once
 
 #include "sdfgrid/core/simd.h"
@@ -56,22 +56,28 @@ inline D16 sqrt(const D16& a) {
   return r;
 #endif
 }
+// Two halves as one: in registers where the machine has such wide ones, for a load of what two
+// stores have just written waits for both.
+template <class Whole, class Half>
+inline Whole joined(const Half& low, const Half& high) {
+#if defined(__AVX512F__)
+  const __m512 wide = _mm512_castps256_ps512((__m256)low);
+  return (Whole)_mm512_insertf32x8(wide, (__m256)high, 1);
+#else
+  Whole r;
+  __builtin_memcpy(&r, &low, sizeof low);
+  __builtin_memcpy(reinterpret_cast<char*>(&r) + sizeof low, &high, sizeof high);
+  return r;
+#endif
+}
 // Towards zero.
 inline I16 to_int(const D16& a) {
-  I16 r;
-  for (int h = 0; h < 2; ++h) {
-    const I8 part = __builtin_convertvector(a.half[h], I8);
-    __builtin_memcpy(reinterpret_cast<char*>(&r) + h * sizeof part, &part, sizeof part);
-  }
-  return r;
+  return joined<I16>(__builtin_convertvector(a.half[0], I8),
+                     __builtin_convertvector(a.half[1], I8));
 }
 inline F16 to_float(const D16& a) {
-  F16 r;
-  for (int h = 0; h < 2; ++h) {
-    const F8 part = __builtin_convertvector(a.half[h], F8);
-    __builtin_memcpy(reinterpret_cast<char*>(&r) + h * sizeof part, &part, sizeof part);
-  }
-  return r;
+  return joined<F16>(__builtin_convertvector(a.half[0], F8),
+                     __builtin_convertvector(a.half[1], F8));
 }
 template <class Half, class Whole>
 inline D16 to_double(const Whole& a) {

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/core/parallel.h"
 #include "sdfgrid/scene/build.h"
 #include "sdfgrid/trace/field_seen.h"
 
@@ -120,11 +121,12 @@ void expect_no_miss(const Field& field, const FieldTraceOptions& options, int co
 TEST(FieldTrace, MissesNoFirstHitOfAHostileScene) {
   const Field field = field_of(kHostile);
   expect_no_miss(field, {}, 30);
-  expect_no_miss(field, {false, false, false, false, false}, 8);
-  expect_no_miss(field, {true, false, false, false, false}, 8);
-  expect_no_miss(field, {false, true, true, false, false}, 8);
-  expect_no_miss(field, {true, true, true, false, false}, 8);
-  expect_no_miss(field, {true, true, true, true, false}, 8);
+  expect_no_miss(field, {false, false, false, false, false, false}, 8);
+  expect_no_miss(field, {true, false, false, false, false, false}, 8);
+  expect_no_miss(field, {false, false, false, false, false, true}, 8);
+  expect_no_miss(field, {false, true, true, false, false, false}, 8);
+  expect_no_miss(field, {true, true, true, false, false, true}, 8);
+  expect_no_miss(field, {true, true, true, true, false, false}, 8);
 }
 
 // Objects that overlap, touch each other's boxes, and lie in rows.
@@ -149,8 +151,8 @@ Field many_objects() {
 TEST(FieldTrace, MissesNoFirstHitAmongManyObjects) {
   const Field field = many_objects();
   expect_no_miss(field, {}, 5);
-  expect_no_miss(field, {true, true, true, true, false}, 4);
-  expect_no_miss(field, {true, true, true, false, false}, 1);
+  expect_no_miss(field, {true, true, true, true, false, false}, 4);
+  expect_no_miss(field, {true, true, true, false, false, true}, 1);
   const Field turned = make_field("rotate", {{"by", {10, 20, 30}}}, {field});
   expect_no_miss(make_field("union", {}, {turned, make_field("box")}), {}, 3);
 }
@@ -164,10 +166,10 @@ TEST(FieldTrace, SwitchesChangeTheWorkNotThePicture) {
   };
   const HitBuffer all = picture({});
   const double pixel = glm::length(RayGenerator(camera).right());
-  for (int off = 0; off < 5; ++off) {
+  for (int off = 0; off < 6; ++off) {
     FieldTraceOptions options;
-    bool* const switches[] = {&options.relax, &options.local_bounds, &options.prune,
-                              &options.objects, &options.convex};
+    bool* const switches[] = {&options.relax,   &options.local_bounds, &options.prune,
+                              &options.objects, &options.convex,       &options.beams};
     *switches[off] = false;
     const HitBuffer other = picture(options);
     const RayGenerator rays(camera);
@@ -183,6 +185,53 @@ TEST(FieldTrace, SwitchesChangeTheWorkNotThePicture) {
       const double truth = dense_search(field, ray, 2.0 * double(near), 20000);
       ASSERT_GE(truth, std::max(all.depth[i], other.depth[i]) - 0.2 * pixel * near);
     }
+  }
+}
+
+// A picture whose size is no multiple of any block, on one thread and on several, and its rays
+// traced one by one.
+TEST(FieldTrace, APictureIsThatOfItsRays) {
+  const Field field = field_of(kHostile);
+  const Camera camera = frame(field.bounds(), 141, 67);
+  const RayGenerator rays(camera);
+  const double pixel = glm::length(rays.right());
+  for (const bool objects : {true, false}) {
+    FieldTraceOptions options;
+    options.objects = objects;
+    const FieldTracer tracer(field, region_of(field), options);
+    const auto picture = [&](int threads) {
+      const ThreadLimit limit(threads);
+      return tracer.trace_primary(camera, Job());
+    };
+    const HitBuffer hits = picture(1);
+    const HitBuffer again = picture(4);
+    ASSERT_EQ(hits.depth, again.depth);
+    ASSERT_EQ(hits.steps, again.steps);
+    int apart = 0;
+    for (int i = 0; i < 141 * 67; ++i) {
+      const Ray ray = rays.ray(i % 141 + 0.5, i / 141 + 0.5);
+      float depth = 0;
+      tracer.trace({&ray, 1}, 0.02 * pixel, {&depth, 1}, {});
+      const bool same =
+          depth == hits.depth[i] || std::fabs(depth - hits.depth[i]) < 0.2 * pixel * double(depth);
+      apart += same ? 0 : 1;  // grazes
+    }
+    EXPECT_LE(apart, 4);
+  }
+}
+
+// The field evaluates far from its zero as at it: what decides is how places are rounded.
+TEST(FieldTrace, DepthIsPreciseFarFromTheCamera) {
+  const FieldTracer tracer(field_of("[{sphere: {}}, {sphere: {}, at: [0, 0, 40]}]"),
+                           {glm::dvec3(-50), glm::dvec3(50)},
+                           {true, true, true, false, false, true});
+  std::vector<Ray> rays;
+  for (int i = 0; i < 40; ++i) rays.push_back({{0.02 * i, 0, -10000}, {0, 0, 1}});
+  std::vector<float> depth(rays.size());
+  tracer.trace(rays, 1e-10, depth, {});
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const double truth = 10000 - std::sqrt(1 - rays[i].origin.x * rays[i].origin.x);
+    EXPECT_NEAR(depth[i], truth, 1e-3) << i;  // a float at 10000
   }
 }
 
@@ -225,8 +274,8 @@ TEST(FieldTrace, RelaxedStepsAreFewer) {
     for (const std::uint16_t n : hits.steps) sum += n;
     return sum;
   };
-  EXPECT_GT(mean({false, false, false, false, false}),
-            1.1 * mean({true, false, false, false, false}));
+  EXPECT_GT(mean({false, false, false, false, false, false}),
+            1.1 * mean({true, false, false, false, false, false}));
 }
 
 TEST(FieldTrace, TheSurfaceThatIsHitBringsItsMaterialAndNormal) {

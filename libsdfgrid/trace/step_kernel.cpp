@@ -1,0 +1,351 @@
+// Sixteen rays of sphere tracing, each at its own place, in lockstep.
+#include "sdfgrid/trace/step_kernel.h"
+
+#include "sdfgrid/core/simd.h"
+#include "sdfgrid/trace/look_through.h"
+#include "sdfgrid/trace/simd_double.h"
+
+namespace sdfgrid::SDFGRID_ISA {
+namespace {
+
+constexpr std::int32_t kMostSteps = 5000;
+constexpr float kMomentum = 0.3F;  // how much of a step's slope goes into the next one's
+constexpr float kFar = 1e30F;      // as good as without end
+
+inline F16 at_most(F16 a, float b) { return min(a, splat(b)); }
+inline F16 at_least(F16 a, float b) { return max(a, splat(b)); }
+
+void look(const PacketCamera& camera, int x, int y, RayLanes& rays) {
+  D16 direction[3];
+  look_through(camera, x, y, 1, direction);
+  for (int a = 0; a < 3; ++a) {
+    store16(rays.along[a], direction[a]);
+    store16(rays.start[a], splat16(camera.eye[a]));
+  }
+}
+
+void clip(const RayLanes& rays, const double lo[3], const double hi[3], double* from, double* to) {
+  D16 near = splat16(0);
+  D16 far = splat16(1e300);
+  for (int a = 0; a < 3; ++a) {
+    // A direction that is nearly 0 leaves the box far away, or never.
+    D16 along = load16(rays.along[a]);
+    for (D8& d : along.half) {
+      const D8 least = d < 0 ? splat8(-1e-200) : splat8(1e-200);
+      d = (d < 0 ? -d : d) < 1e-200 ? least : d;
+    }
+    const D16 inverse = splat16(1) / along;
+    const D16 start = load16(rays.start[a]);
+    const D16 t0 = (splat16(lo[a]) - start) * inverse;
+    const D16 t1 = (splat16(hi[a]) - start) * inverse;
+    near = max(min(t0, t1), near);
+    far = min(max(t0, t1), far);
+  }
+  store16(from, near);
+  store16(to, far);
+}
+
+inline float largest_root(const D16& squares) {
+  const D8 larger = squares.half[0] > squares.half[1] ? squares.half[0] : squares.half[1];
+  double largest = 0;
+  for (int i = 0; i < kLanes / 2; ++i) largest = larger[i] > largest ? larger[i] : largest;
+  return static_cast<float>(__builtin_sqrt(largest));
+}
+
+// Around the line midway between the first and the last ray.
+void beam(const RayLanes& rays, RayGroup& beams, int lane) {
+  D16 wide = splat16(0);
+  D16 wider = splat16(0);
+  for (int a = 0; a < 3; ++a) {
+    const double start = 0.5 * (rays.start[a][0] + rays.start[a][kLanes - 1]);
+    const double along = 0.5 * (rays.along[a][0] + rays.along[a][kLanes - 1]);
+    beams.rays.start[a][lane] = start;
+    beams.rays.along[a][lane] = along;
+    beams.origin[a][lane] = static_cast<float>(start);
+    beams.direction[a][lane] = static_cast<float>(along);
+    const D16 u = load16(rays.start[a]) - splat16(start);
+    const D16 v = load16(rays.along[a]) - splat16(along);
+    wide = wide + u * u;
+    wider = wider + v * v;
+  }
+  constexpr float kRounding = 1 + 1e-5F;  // of what is added up when the base moves
+  beams.width[lane] = kRounding * largest_root(wide);
+  beams.widening[lane] = kRounding * largest_root(wider);
+  beams.steps[lane] = 0;
+  beams.base = 0;
+}
+
+// Of the lanes that are left of `from` the least, of the others' `to` the largest.
+inline GroupWay way_of(const D16& from, const D16& to) {
+  D8 least = splat8(1e300);
+  D8 most = splat8(-1e300);
+  for (int h = 0; h < 2; ++h) {
+    const D8 f = from.half[h] < to.half[h] ? from.half[h] : splat8(1e300);
+    const D8 t = from.half[h] < to.half[h] ? to.half[h] : splat8(-1e300);
+    least = f < least ? f : least;
+    most = t > most ? t : most;
+  }
+  GroupWay way{least[0], most[0]};
+  for (int i = 1; i < kLanes / 2; ++i) {
+    way.clear = least[i] < way.clear ? least[i] : way.clear;
+    way.end = most[i] > way.end ? most[i] : way.end;
+  }
+  return way;
+}
+
+GroupWay begin(RayGroup& g, const double* from, const double* to, RayGroup& beams, int lane) {
+  const D16 starts = load16(from);
+  const D16 ends = load16(to);
+  const GroupWay way = way_of(starts, ends);
+  g.base = way.clear < way.end ? way.clear : 0;
+  const D16 base = splat16(g.base);
+  for (int a = 0; a < 3; ++a) {
+    const D16 along = load16(g.rays.along[a]);
+    store(g.origin[a], to_float(load16(g.rays.start[a]) + base * along));
+    store(g.direction[a], to_float(along));
+  }
+  const F16 clear = to_float(starts - base);
+  const F16 end = to_float(ends - base);
+  const I16 wanted = clear < end;
+  const F16 place = select(wanted, clear, splat(0.0F));
+  store(g.clear, place);
+  store(g.next, place);
+  store(g.end, select(wanted, end, splat(RayGroup::kNever)));
+  store(g.last, splat(RayGroup::kNever));
+  store(g.value, splat(0.0F));
+  store(g.slope, splat(-1.0F));
+  store(g.hit, splat(RayGroup::kNotHit));
+  store(g.width, splat(0.0F));
+  store(g.widening, splat(0.0F));
+  store(g.steps, splat(0));
+  beam(g.rays, beams, lane);
+  return way;
+}
+
+void rebase(RayGroup* groups, const std::uint32_t* list, int n, double base) {
+  for (int k = 0; k < n; ++k) {
+    RayGroup& g = groups[list[k]];
+    if (g.base == base) continue;
+    for (int a = 0; a < 3; ++a) {
+      const D16 along = load16(g.rays.along[a]);
+      store(g.origin[a], to_float(load16(g.rays.start[a]) + splat16(base) * along));
+    }
+    const auto shift = static_cast<float>(base - g.base);
+    g.base = base;
+    const F16 clear = at_least(load(g.clear) - shift, 0.0F);
+    store(g.clear, clear);
+    store(g.next, max(load(g.next) - shift, clear));
+    store(g.end, load(g.end) - shift);
+    store(g.last, load(g.last) - shift);
+    store(g.width, load(g.width) + shift * load(g.widening));
+  }
+}
+
+// A group's lanes that go on before the limit.
+inline I16 going_on(F16 clear, F16 end, float limit) { return clear < at_most(end, limit); }
+
+inline void write_place(const RayGroup& g, F16 t, float* const p[3], int at) {
+  for (int a = 0; a < 3; ++a) {
+    store(p[a] + at, fma(t, load(g.direction[a]), load(g.origin[a])));
+  }
+}
+
+int place(RayGroup* groups, std::uint32_t* list, int n, const float* from, float limit,
+          float* const p[3]) {
+  int left = 0;
+  for (int k = 0; k < n; ++k) {
+    RayGroup& g = groups[list[k]];
+    F16 clear = load(g.clear);
+    F16 next = load(g.next);
+    if (from != nullptr) {
+      clear = at_least(clear, from[k]);
+      next = max(next, clear);
+      store(g.clear, clear);
+      store(g.next, next);
+    }
+    if (!any(going_on(clear, load(g.end), limit))) continue;
+    write_place(g, next, p, left * kLanes);
+    list[left++] = list[k];
+  }
+  return left;
+}
+
+// How far the way ahead is free, and how far the surface is at least as long as the slope stays.
+struct Free {
+  F16 way, surface;
+};
+
+// A convex function lies above the line through two of its values, beyond them: without end if that
+// does not fall.
+inline Free past_convex(const Free& ahead, F16 t, F16 r, F16 error, F16 last, F16 value) {
+  const F16 fall = (value - r + 2.0F * error) / (t - last);
+  const I16 falls = fall > 0.0F;
+  const F16 secant = (r - error) / select(falls, fall, splat(1.0F));
+  const F16 above =
+      select(last > 0.5F * RayGroup::kNever, select(falls, secant, splat(kFar)), splat(0.0F));
+  return {max(ahead.way, above), max(ahead.surface, above)};
+}
+
+// The slope along the ray that steps are relaxed by, after the value r at t.
+inline F16 smoothed_slope(const RayGroup& g, F16 t, F16 r, F16 last, F16 value) {
+  const I16 known = last > 0.5F * RayGroup::kNever;
+  const F16 slope = load(g.slope);
+  const F16 now =
+      at_most(at_least((r - value) / select(known, t - last, splat(1.0F)), -1.0F), 0.99F);
+  return select(known, slope + kMomentum * (now - slope), slope);
+}
+
+// Takes in that the field is `value` at p, where each lane is to be evaluated next. Returns which
+// lanes go on.
+inline I16 step_group(RayGroup& g, const StepRule& rule, const F16 (&p)[3], F16 value,
+                      const FreeWays& ways, int at) {
+  const F16 clear = load(g.clear);
+  const F16 end = load(g.end);
+  const F16 t = load(g.next);
+  const I16 active = going_on(clear, end, rule.limit);
+  const F16 radius = fma(t, load(g.widening), load(g.width));
+  const F16 r = rule.sign * value - radius;
+  const F16 far = max(max(abs(p[0]), abs(p[1])), abs(p[2]));
+  const F16 error = static_cast<float>(kFieldSlack) * far + kPlaceSlack * t;
+  Free ahead = {abs(r), abs(r)};
+  F16 back = abs(r);
+  if (ways.ahead != nullptr) {
+    ahead = {load(ways.ahead + at), load(ways.surface + at)};
+    back = load(ways.back + at);
+  }
+  const F16 last = load(g.last);
+  const F16 before = load(g.value);
+  if (rule.convex) ahead = past_convex(ahead, t, r, error, last, before);
+  ahead.way = max(ahead.way, 0.5F * error);
+  // A relaxed step stands if what both of its ends know of the way between meets.
+  const I16 taken_back = active & (t > clear) & ~((r >= 0.0F) & (t - back <= clear));
+  const I16 taken = active & ~taken_back;
+  const F16 least = fma(t, splat(rule.tolerance), splat(rule.near)) + error + rule.share * radius;
+  const I16 hit = taken & ((r < 0.0F) | (ahead.surface < least));
+  const F16 free = t + ahead.way;
+  F16 next = free;
+  if (rule.relax && !rule.convex) {
+    const F16 slope = smoothed_slope(g, t, r, last, before);
+    next = t + 2.0F * ahead.way / (1.0F - slope);
+    store(g.slope, select(taken, slope, select(taken_back, splat(-1.0F), load(g.slope))));
+  }
+  // Beyond the limit this program does not hold, beyond the end no local bound: only what is
+  // certain goes there.
+  next = max(free, min(next, at_most(end, rule.limit)));
+  const std::int32_t* const counted = g.steps;
+  const I16 steps = load(counted) - active;
+  store(g.steps, steps);
+  const I16 over = hit | (steps >= kMostSteps);
+  const F16 now_clear = select(taken, free, clear);
+  const F16 now_end = select(over, splat(RayGroup::kNever), end);
+  store(g.clear, now_clear);
+  store(g.end, now_end);
+  store(g.next, select(taken, next, select(taken_back, clear, t)));
+  store(g.last, select(taken, t, select(taken_back, splat(RayGroup::kNever), last)));
+  store(g.value, select(taken, r, before));
+  store(g.hit, select(hit, select(r < 0.0F, t, free), load(g.hit)));
+  return going_on(now_clear, now_end, rule.limit);
+}
+
+int step(RayGroup* groups, std::uint32_t* list, int n, const StepRule& rule, const float* values,
+         const FreeWays& ways, float* const p[3]) {
+  int left = 0;
+  for (int k = 0; k < n; ++k) {
+    RayGroup& g = groups[list[k]];
+    const int at = k * kLanes;
+    const F16 place[3] = {load(p[0] + at), load(p[1] + at), load(p[2] + at)};
+    if (!any(step_group(g, rule, place, load(values + at), ways, at))) continue;
+    // Positions before this one have been read.
+    write_place(g, load(g.next), p, left * kLanes);
+    list[left++] = list[k];
+  }
+  return left;
+}
+
+GroupRest rest(const RayGroup& g) {
+  const F16 clear = load(g.clear);
+  const F16 end = load(g.end);
+  const I16 more = clear < end;
+  GroupRest r{RayGroup::kNotHit, RayGroup::kNever, bits(load(g.hit) < RayGroup::kNotHit)};
+  if (!any(more)) return r;
+  const F16 least = select(more, clear, splat(r.clear));
+  const F16 most = select(more, end, splat(r.end));
+  for (int i = 0; i < kLanes; ++i) {
+    r.clear = least[i] < r.clear ? least[i] : r.clear;
+    r.end = most[i] > r.end ? most[i] : r.end;
+  }
+  return r;
+}
+
+// A box that grows, sixteen corners at a time.
+struct Corners {
+  D16 lo[3], hi[3];
+
+  Corners() {
+    for (int a = 0; a < 3; ++a) lo[a] = splat16(1e300), hi[a] = splat16(-1e300);
+  }
+  // Around beams at the places t where `live`.
+  void add(const RayGroup& around, const D16& t, const D16& live) {
+    const D16 radius = to_double(load(around.width)) +
+                       to_double(load(around.widening)) * (t - splat16(around.base));
+    for (int a = 0; a < 3; ++a) {
+      const D16 c = load16(around.rays.start[a]) + t * load16(around.rays.along[a]);
+      for (int h = 0; h < 2; ++h) {
+        const D8 r = radius.half[h];
+        const D8 low = live.half[h] > 0 ? c.half[h] - r : splat8(1e300);
+        const D8 high = live.half[h] > 0 ? c.half[h] + r : splat8(-1e300);
+        lo[a].half[h] = low < lo[a].half[h] ? low : lo[a].half[h];
+        hi[a].half[h] = high > hi[a].half[h] ? high : hi[a].half[h];
+      }
+    }
+  }
+  void write(double (&low)[3], double (&high)[3]) const {
+    for (int a = 0; a < 3; ++a) {
+      const GroupWay all = way_of(lo[a], hi[a]);
+      low[a] = all.clear;
+      high[a] = all.end;
+    }
+  }
+};
+
+GroupRoom room(const RayGroup* beams, const double* clear, const double* end, int first, int last,
+               double t0, double t1) {
+  GroupRoom r{};
+  Corners all;
+  Corners far;
+  for (int group = first / kLanes * kLanes; group < last; group += kLanes) {
+    double within[kLanes];
+    for (int i = 0; i < kLanes; ++i) {
+      within[i] = group + i >= first && group + i < last ? 1.0 : 0.0;
+    }
+    const D16 from = max(load16(clear + group), splat16(t0));
+    const D16 to = min(load16(end + group), splat16(t1));
+    D16 live = load16(within);
+    D8 count = splat8(0);
+    for (int h = 0; h < 2; ++h) {
+      live.half[h] = from.half[h] < to.half[h] ? live.half[h] : splat8(0);
+      count += live.half[h];
+    }
+    double sum = 0;
+    for (int i = 0; i < kLanes / 2; ++i) sum += count[i];
+    if (sum == 0) continue;
+    r.groups += static_cast<int>(sum);
+    all.add(beams[group / kLanes], from, live);
+    far.add(beams[group / kLanes], to, live);
+  }
+  if (r.groups == 0) return r;
+  far.write(r.far_lo, r.far_hi);
+  all.write(r.lo, r.hi);
+  for (int a = 0; a < 3; ++a) {
+    r.lo[a] = r.far_lo[a] < r.lo[a] ? r.far_lo[a] : r.lo[a];
+    r.hi[a] = r.far_hi[a] > r.hi[a] ? r.far_hi[a] : r.hi[a];
+  }
+  return r;
+}
+
+}  // namespace
+
+extern const StepKernel kStepKernel;
+const StepKernel kStepKernel = {look, clip, beam, begin, rebase, place, step, rest, room};
+
+}  // namespace sdfgrid::SDFGRID_ISA
