@@ -169,7 +169,7 @@ class Pruning {
   }
 
   void step(const Instruction& at) {
-    const OpFunctions<Interval>& f = interval_ops().functions[at.op];
+    const OpFunctions<Interval>& f = ops_.functions[at.op];
     const float* c = constants_of(program_, at);
     const std::size_t begin = code_.size();
     if (writes_) code_.push_back(at);
@@ -200,7 +200,7 @@ class Pruning {
     Value& value = values_.back();
     value.begin = entered_.back();
     entered_.pop_back();
-    const auto idle = interval_ops().idle[at.op];
+    const auto idle = ops_.idle[at.op];
     if (idle != nullptr && idle(c, value.range, points_.back())) {
       if (!writes_) return;
       code_.pop_back();
@@ -214,7 +214,7 @@ class Pruning {
     const Value b = values_.back();
     values_.pop_back();
     Value& a = values_.back();
-    const Keep keep = interval_ops().keep[at.op](c, a.range, b.range);
+    const Keep keep = ops_.keep[at.op](c, a.range, b.range);
     if (keep == Keep::both) {
       a.range = f.combine(c, a.range, b.range, points_.back());
       return;
@@ -230,6 +230,7 @@ class Pruning {
     }
   }
 
+  const IntervalOps& ops_ = interval_ops();
   const Program& program_;
   std::size_t most_;
   bool writes_;

@@ -8,7 +8,7 @@ namespace sdfgrid {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kShortProgram = 8;         // pruning more gains nothing
+constexpr std::size_t kShortProgram = 12;        // pruning more gains nothing
 constexpr std::size_t kMostInstructions = 1000;  // more is too much to look at a whole stretch
 // For fewer groups to prune again costs more than it gains, where their way is longer than they are
 // wide apart, and where it is not.
@@ -72,7 +72,11 @@ void FieldMarch::reset(Bundle& bundle, const MarchRules& rules, std::size_t grou
   bundle_ = &bundle;
   rules_ = rules;
   if (rays_.size() < groups) rays_.resize(groups);
-  if (beams_.size() < groups / kLanes + 1) beams_.resize(groups / kLanes + 1);
+  if (beams_.size() < groups / kLanes + 1) {
+    beams_.resize(groups / kLanes + 1);
+    axes_.resize(beams_.size());
+    for (std::size_t i = 0; i < beams_.size(); ++i) beams_[i].rays = &axes_[i];
+  }
   groups_in_use_ = 0;
   clear_.resize(beams_.size() * kLanes);
   end_.resize(beams_.size() * kLanes);
@@ -81,7 +85,9 @@ void FieldMarch::reset(Bundle& bundle, const MarchRules& rules, std::size_t grou
 
 void FieldMarch::run(Bundle& bundle, const Field& field, const MarchRules& rules,
                      std::span<const Stretch> stretches) {
-  reset(bundle, rules, (stretches.size() + kLanes - 1) / kLanes);
+  const std::size_t groups = (stretches.size() + kLanes - 1) / kLanes;
+  reset(bundle, rules, groups);
+  if (packed_.size() < groups) packed_.resize(groups);
   for (std::size_t i = 0; i < stretches.size(); i += kLanes) {
     add_group(stretches.subspan(i, std::min<std::size_t>(kLanes, stretches.size() - i)));
   }
@@ -94,11 +100,7 @@ void FieldMarch::run(Bundle& bundle, const Field& field, const MarchRules& rules
   double to[kLanes];
   for (std::size_t i = 0; i < bundle.rays.size(); ++i) {
     kernel_.clip(bundle.rays[i], &box.lo.x, &box.hi.x, from, to);
-    rays_[i].rays = bundle.rays[i];
-    for (std::uint32_t k = 0; k < kLanes; ++k) {
-      ray_of_.push_back(static_cast<std::uint32_t>(i) * kLanes + k);
-    }
-    begin(from, to);
+    begin(bundle.rays[i], from, to);
   }
   run(field);
 }
@@ -123,7 +125,7 @@ void FieldMarch::count_steps() {
   for (std::size_t group = 0; group < groups_in_use_; ++group) {
     const int led = beams_[group / kLanes].steps[group % kLanes];
     for (std::size_t i = 0; i < kLanes; ++i) {
-      const std::uint32_t ray = ray_of_[group * kLanes + i];
+      const std::uint32_t ray = ray_of(group * kLanes + i);
       if (ray == kNoRay) break;
       const int steps = rays_[group].steps[i] + (led + kLanes / 2) / kLanes;
       bundle_->steps[ray] += static_cast<std::uint32_t>(steps);
@@ -136,7 +138,7 @@ void FieldMarch::add_group(std::span<const Stretch> stretches) {
   const std::size_t n = stretches.size();
   double from[kLanes];
   double to[kLanes];
-  RayLanes& rays = rays_[groups_in_use_].rays;
+  RayLanes& rays = packed_[groups_in_use_];
   for (std::size_t i = 0; i < kLanes; ++i) {
     const Stretch& s = stretches[std::min(i, n - 1)];
     ray_of_.push_back(i < n ? s.ray : kNoRay);
@@ -148,16 +150,22 @@ void FieldMarch::add_group(std::span<const Stretch> stretches) {
       rays.along[a][i] = lanes.along[a][s.ray % kLanes];
     }
   }
-  begin(from, to);
+  begin(rays, from, to);
 }
 
 // The next group sets out.
-void FieldMarch::begin(const double* from, const double* to) {
+void FieldMarch::begin(const RayLanes& rays, const double* from, const double* to) {
   const std::size_t group = groups_in_use_++;
-  const GroupWay way = kernel_.begin(rays_[group], from, to, beams_[group / kLanes],
-                                     static_cast<int>(group % kLanes));
+  rays_[group].rays = &rays;
+  const GroupWay way = kernel_.begin(rays_[group], from, to);
   clear_[group] = way.clear;
   end_[group] = way.end;
+  kernel_.beam(rays, axes_[group / kLanes], beams_[group / kLanes],
+               static_cast<int>(group % kLanes));
+}
+
+std::uint32_t FieldMarch::ray_of(std::size_t lane) const {
+  return ray_of_.empty() ? static_cast<std::uint32_t>(lane) : ray_of_[lane];
 }
 
 // Brings all rays of the part to its end or to their hit. All of them are free up to its beginning.
@@ -281,8 +289,8 @@ FreeWays FieldMarch::ways_of(std::span<const std::uint32_t> list, const StepRule
     const std::size_t i = k % kLanes;
     ahead[k] = surface[k] = back[k] = std::fabs(values[k]);
     if (!(g.clear[i] < std::min(g.end[i], rule.limit))) continue;
-    const glm::dvec3 along(g.rays.along[0][i], g.rays.along[1][i], g.rays.along[2][i]);
-    const glm::dvec3 start(g.rays.start[0][i], g.rays.start[1][i], g.rays.start[2][i]);
+    const glm::dvec3 along(g.rays->along[0][i], g.rays->along[1][i], g.rays->along[2][i]);
+    const glm::dvec3 start(g.rays->start[0][i], g.rays->start[1][i], g.rays->start[2][i]);
     const glm::dvec3 p = start + (g.base + double(g.next[i])) * along;
     const LocalBounds::Cell cell = rules_.bounds->at(p);
     if (!(cell.slope < 1)) continue;
@@ -304,7 +312,7 @@ void FieldMarch::collect(std::uint32_t group) {
   const GroupRest rest = kernel_.rest(g);
   for (int i = 0; i < kLanes; ++i) {
     if ((rest.hits >> i & 1U) == 0) continue;
-    double& depth = bundle_->depth[ray_of_[std::size_t{group} * kLanes + i]];
+    double& depth = bundle_->depth[ray_of(std::size_t{group} * kLanes + i)];
     depth = std::min(depth, g.base + double(g.hit[i]));
     g.hit[i] = RayGroup::kNotHit;
   }

@@ -59,6 +59,16 @@ void FieldTracer::trace(Bundle& bundle, const Field& field, double tolerance,
 
 namespace {
 
+// Kept from one call to the next by each thread: single rays are traced too.
+struct Workspace {
+  Bundle bundle;
+  FieldMarch march;
+};
+Workspace& workspace() {
+  thread_local Workspace space;
+  return space;
+}
+
 std::uint16_t counted(std::uint32_t steps) {
   return static_cast<std::uint16_t>(std::min(steps, 65535U));
 }
@@ -68,8 +78,7 @@ std::uint16_t counted(std::uint32_t steps) {
 void FieldTracer::trace(std::span<const Ray> rays, double tolerance, std::span<float> depth,
                         std::span<std::uint16_t> steps) const {
   constexpr std::size_t kBundle = 1024;
-  Bundle bundle;
-  FieldMarch march;
+  auto& [bundle, march] = workspace();
   for (std::size_t i = 0; i < rays.size(); i += kBundle) {
     const std::size_t n = std::min(kBundle, rays.size() - i);
     bundle.set(rays.subspan(i, n));
@@ -173,8 +182,7 @@ HitBuffer FieldTracer::trace_primary(const Camera& camera, const Job& job) const
   const int across = (camera.width + kBlock - 1) / kBlock;
   const int down = (camera.height + kBlock - 1) / kBlock;
   parallel_for(std::size_t(across) * down, 1, job, [&](std::size_t begin, std::size_t end) {
-    Bundle bundle;
-    FieldMarch march;
+    auto& [bundle, march] = workspace();
     for (std::size_t i = begin; i < end; ++i) {
       const int left = static_cast<int>(i % across) * kBlock;
       const int top = static_cast<int>(i / across) * kBlock;

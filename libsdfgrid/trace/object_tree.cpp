@@ -57,13 +57,14 @@ class Traversal {
             FieldMarch& march)
       : tree_(tree), bundle_(bundle), rules_(rules), use_convex_(use_convex), march_(march) {
     for (const RayLanes& rays : bundle.rays) {
+      RayLanes axis;
       RayGroup beam;
-      step_kernel().beam(rays, beam, 0);
+      step_kernel().beam(rays, axis, beam, 0);
       const auto of = [](const double(&column)[3][RayLanes::kLanes]) {
         return glm::dvec3(column[0][0], column[1][0], column[2][0]);
       };
-      lines_.push_back({of(beam.rays.start), 1.0 / of(beam.rays.along), double(beam.width[0]),
-                        double(beam.widening[0])});
+      lines_.push_back(
+          {of(axis.start), 1.0 / of(axis.along), double(beam.width[0]), double(beam.widening[0])});
     }
     deepest_.assign(lines_.size(), kInfinity);
   }

@@ -53,14 +53,14 @@ inline float largest_root(const D16& squares) {
 }
 
 // Around the line midway between the first and the last ray.
-void beam(const RayLanes& rays, RayGroup& beams, int lane) {
+void beam(const RayLanes& rays, RayLanes& axes, RayGroup& beams, int lane) {
   D16 wide = splat16(0);
   D16 wider = splat16(0);
   for (int a = 0; a < 3; ++a) {
     const double start = 0.5 * (rays.start[a][0] + rays.start[a][kLanes - 1]);
     const double along = 0.5 * (rays.along[a][0] + rays.along[a][kLanes - 1]);
-    beams.rays.start[a][lane] = start;
-    beams.rays.along[a][lane] = along;
+    axes.start[a][lane] = start;
+    axes.along[a][lane] = along;
     beams.origin[a][lane] = static_cast<float>(start);
     beams.direction[a][lane] = static_cast<float>(along);
     const D16 u = load16(rays.start[a]) - splat16(start);
@@ -93,15 +93,15 @@ inline GroupWay way_of(const D16& from, const D16& to) {
   return way;
 }
 
-GroupWay begin(RayGroup& g, const double* from, const double* to, RayGroup& beams, int lane) {
+GroupWay begin(RayGroup& g, const double* from, const double* to) {
   const D16 starts = load16(from);
   const D16 ends = load16(to);
   const GroupWay way = way_of(starts, ends);
   g.base = way.clear < way.end ? way.clear : 0;
   const D16 base = splat16(g.base);
   for (int a = 0; a < 3; ++a) {
-    const D16 along = load16(g.rays.along[a]);
-    store(g.origin[a], to_float(load16(g.rays.start[a]) + base * along));
+    const D16 along = load16(g.rays->along[a]);
+    store(g.origin[a], to_float(load16(g.rays->start[a]) + base * along));
     store(g.direction[a], to_float(along));
   }
   const F16 clear = to_float(starts - base);
@@ -118,7 +118,6 @@ GroupWay begin(RayGroup& g, const double* from, const double* to, RayGroup& beam
   store(g.width, splat(0.0F));
   store(g.widening, splat(0.0F));
   store(g.steps, splat(0));
-  beam(g.rays, beams, lane);
   return way;
 }
 
@@ -127,8 +126,8 @@ void rebase(RayGroup* groups, const std::uint32_t* list, int n, double base) {
     RayGroup& g = groups[list[k]];
     if (g.base == base) continue;
     for (int a = 0; a < 3; ++a) {
-      const D16 along = load16(g.rays.along[a]);
-      store(g.origin[a], to_float(load16(g.rays.start[a]) + splat16(base) * along));
+      const D16 along = load16(g.rays->along[a]);
+      store(g.origin[a], to_float(load16(g.rays->start[a]) + splat16(base) * along));
     }
     const auto shift = static_cast<float>(base - g.base);
     g.base = base;
@@ -289,7 +288,7 @@ struct Corners {
     const D16 radius = to_double(load(around.width)) +
                        to_double(load(around.widening)) * (t - splat16(around.base));
     for (int a = 0; a < 3; ++a) {
-      const D16 c = load16(around.rays.start[a]) + t * load16(around.rays.along[a]);
+      const D16 c = load16(around.rays->start[a]) + t * load16(around.rays->along[a]);
       for (int h = 0; h < 2; ++h) {
         const D8 r = radius.half[h];
         const D8 low = live.half[h] > 0 ? c.half[h] - r : splat8(1e300);

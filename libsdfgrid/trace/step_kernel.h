@@ -32,7 +32,7 @@ struct alignas(64) RayGroup {
   static constexpr float kNever = -1e30F;
   static constexpr float kNotHit = 1e30F;
 
-  RayLanes rays;
+  const RayLanes* rays;
   float origin[3][kLanes];  // its place at the base
   float direction[3][kLanes];
   float clear[kLanes];  // the way up to here is known to be free
@@ -94,12 +94,12 @@ struct StepKernel {
   // Where each ray is in a box, not before its start: from > to if it is not.
   void (*clip)(const RayLanes& rays, const double lo[3], const double hi[3], double* from,
                double* to);
-  // Makes a lane of `beams` the beam around rays, whose radius is width + widening * place.
-  void (*beam)(const RayLanes& rays, RayGroup& beams, int lane);
+  // Makes a lane of `beams` the beam around rays, whose radius is width + widening * place, and
+  // that of `axes` its axis.
+  void (*beam)(const RayLanes& rays, RayLanes& axes, RayGroup& beams, int lane);
   // Sets out: the group's rays are known, and those are to be traced whose `from` is less than
-  // their `to`, between these. Lane `lane` of `beams` becomes the beam around all rays.
-  GroupWay (*begin)(RayGroup& group, const double* from, const double* to, RayGroup& beams,
-                    int lane);
+  // their `to`, between these.
+  GroupWay (*begin)(RayGroup& group, const double* from, const double* to);
   // Counts places from `base` on. All rays of the groups must be free up to there.
   void (*rebase)(RayGroup* groups, const std::uint32_t* list, int n, double base);
   // Makes lanes free up to `from` (of each group of the list; null: no more than they are), and
