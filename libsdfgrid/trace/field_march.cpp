@@ -61,13 +61,6 @@ void Bundle::set(std::span<const Ray> of) {
   }
 }
 
-Ray Bundle::ray(std::size_t i) const {
-  const RayLanes& g = rays[i / RayLanes::kLanes];
-  const std::size_t k = i % RayLanes::kLanes;
-  return {{g.start[0][k], g.start[1][k], g.start[2][k]},
-          {g.along[0][k], g.along[1][k], g.along[2][k]}};
-}
-
 void FieldMarch::reset(Bundle& bundle, const MarchRules& rules, std::size_t groups) {
   bundle_ = &bundle;
   rules_ = rules;

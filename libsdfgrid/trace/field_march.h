@@ -45,7 +45,6 @@ struct Bundle {
   // Nothing is known yet of so many rays.
   void reset(std::size_t count);
   void set(std::span<const Ray> of);
-  [[nodiscard]] Ray ray(std::size_t i) const;
 };
 
 // Memory is kept from one run to the next.

@@ -43,8 +43,10 @@ FieldTracer::FieldTracer(const Field& field, const Box& region, FieldTraceOption
 
 FieldTracer::~FieldTracer() = default;
 
-// `field` is what is left of the whole for these rays.
-void FieldTracer::trace(Bundle& bundle, const Field& field, double tolerance,
+float FieldTracer::sign_at(const glm::dvec3& p) const { return field_(glm::vec3(p)) < 0 ? -1 : 1; }
+
+// `field` is what is left of the whole for these rays, `sign` its sign where they begin.
+void FieldTracer::trace(Bundle& bundle, const Field& field, double tolerance, float sign,
                         FieldMarch& march) const {
   MarchRules rules;
   rules.relax = options_.relax;
@@ -52,7 +54,7 @@ void FieldTracer::trace(Bundle& bundle, const Field& field, double tolerance,
   rules.beams = options_.beams;
   rules.bounds = bounds_.get();
   rules.tolerance = tolerance;
-  if (field_(glm::vec3(bundle.ray(0).origin)) < 0) rules.sign = -1;
+  rules.sign = sign;
   if (objects_ && rules.sign > 0) return objects_->trace(bundle, rules, options_.convex, march);
   march.run(bundle, field, rules, region_);
 }
@@ -82,7 +84,7 @@ void FieldTracer::trace(std::span<const Ray> rays, double tolerance, std::span<f
   for (std::size_t i = 0; i < rays.size(); i += kBundle) {
     const std::size_t n = std::min(kBundle, rays.size() - i);
     bundle.set(rays.subspan(i, n));
-    trace(bundle, field_, tolerance, march);
+    trace(bundle, field_, tolerance, sign_at(rays[i].origin), march);
     for (std::size_t k = 0; k < n; ++k) {
       depth[i + k] = static_cast<float>(bundle.depth[k]);
       if (!steps.empty()) steps[i + k] = counted(bundle.steps[k]);
@@ -178,6 +180,7 @@ HitBuffer FieldTracer::trace_primary(const Camera& camera, const Job& job) const
   hits.steps.assign(pixels, 0);
   const RayGenerator generator(camera);
   const double tolerance = 0.02 * glm::length(generator.right());
+  const float sign = sign_at(camera.eye);
   const PacketCamera packets = packet_camera(generator, camera.eye);
   const int across = (camera.width + kBlock - 1) / kBlock;
   const int down = (camera.height + kBlock - 1) / kBlock;
@@ -196,7 +199,7 @@ HitBuffer FieldTracer::trace_primary(const Camera& camera, const Job& job) const
           const PixelSquare square{x, y, std::min(kTile, right - x), std::min(kTile, bottom - y)};
           const std::vector<glm::ivec2> blocks = blocks_of(square);
           look(packets, blocks, bundle);
-          trace(bundle, here, tolerance, march);
+          trace(bundle, here, tolerance, sign, march);
           write_results(bundle, blocks, hits);
         }
       }

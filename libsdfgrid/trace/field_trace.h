@@ -68,7 +68,9 @@ class FieldTracer {
   [[nodiscard]] const Box& region() const { return region_; }
 
  private:
-  void trace(Bundle& bundle, const Field& field, double tolerance, FieldMarch& march) const;
+  [[nodiscard]] float sign_at(const glm::dvec3& p) const;
+  void trace(Bundle& bundle, const Field& field, double tolerance, float sign,
+             FieldMarch& march) const;
   [[nodiscard]] Box seen_through(const RayGenerator& generator, const glm::dvec3& eye,
                                  const PixelSquare& square) const;
 

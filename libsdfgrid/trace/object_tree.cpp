@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 #include <limits>
 
 namespace sdfgrid {
@@ -23,9 +22,13 @@ struct Line {
 // the distance of its farthest corner, and the beam's axis then no farther from the box than the
 // beam is wide there.
 inline Span within(const Line& line, const Box& box, Span s) {
-  const glm::dvec3 farthest =
-      glm::max(glm::abs(box.lo - line.origin), glm::abs(box.hi - line.origin));
-  const double radius = line.width + line.widening * (line.width + glm::length(farthest));
+  double farthest = 0;  // or a little more, without a root
+  for (int a = 0; a < 3; ++a) {
+    const double below = line.origin[a] - box.lo[a];
+    const double above = box.hi[a] - line.origin[a];
+    farthest += below > above ? below : above;
+  }
+  const double radius = line.width + line.widening * (line.width + farthest);
   for (int a = 0; a < 3; ++a) {
     const double t0 = (box.lo[a] - radius - line.origin[a]) * line.inverse[a];
     const double t1 = (box.hi[a] + radius - line.origin[a]) * line.inverse[a];
@@ -128,8 +131,8 @@ class Traversal {
     const std::size_t n = std::min<std::size_t>(kLanes, bundle_.size - first);
     for (std::size_t i = 0; i < n; ++i) {
       const double end = std::min(to[i], bundle_.depth[first + i]);
-      if (from[i] < end)
-        stretches_.push_back({static_cast<std::uint32_t>(first + i), from[i], end});
+      if (!(from[i] < end)) continue;
+      stretches_.push_back({static_cast<std::uint32_t>(first + i), from[i], end});
     }
   }
 
