@@ -61,6 +61,7 @@ double clock_milliseconds(const Work& work) {
 std::vector<glm::dvec3> places(const TriangleSoup& soup, int count) {
   std::mt19937 random(1);
   std::vector<glm::dvec3> points;
+  points.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     points.push_back(soup.origin + glm::dvec3(soup.points[random() % soup.points.size()]));
   }

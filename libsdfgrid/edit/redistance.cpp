@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <memory>
 
 #include "sdfgrid/core/parallel.h"
@@ -200,7 +201,7 @@ bool Redistancer::run(const RedistanceTask& task, RedistancedBrick& out) {
     const std::uint64_t bit = std::uint64_t{1} << (p.y * 8 + p.z);
     out.active[p.x] = active ? out.active[p.x] | bit : out.active[p.x] & ~bit;
   }
-  return std::memcmp(out.values, now.values, sizeof out.values) != 0;
+  return !std::equal(std::begin(out.values), std::end(out.values), now.values);
 }
 
 }  // namespace
