@@ -106,7 +106,7 @@ inline I16 clip(const PacketScene& scene, Start& start) {
   D16 to = splat16(1e300);
   for (int a = 0; a < 3; ++a) {
     D16 direction = start.direction[a];
-    for (D8& d : direction.half) d = d == 0.0 ? splat8(1e-200) : d;
+    for (DPart& d : direction.part) d = d == 0.0 ? splat_part(1e-200) : d;
     const D16 inverse = splat16(1) / direction;
     const D16 zero = splat16(-start.origin[a]) * inverse;
     const D16 end = splat16(scene.dims[a] * 8 - start.origin[a]) * inverse;

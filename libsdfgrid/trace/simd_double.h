@@ -6,88 +6,132 @@
 
 namespace sdfgrid::SDFGRID_ISA {
 
-// Sixteen doubles in two halves: compilers split no wider vector well.
-typedef double D8 __attribute__((vector_size(64)));
-typedef std::int64_t L8 __attribute__((vector_size(64)));
-typedef float F8 __attribute__((vector_size(32)));
-typedef std::int32_t I8 __attribute__((vector_size(32)));
-struct D16 {
-  D8 half[2];
+// Sixteen doubles in parts of the machine's own width, as F16 is, and what fills half of one such.
+#if defined(__AVX512F__)
+inline constexpr int kDoubleBytes = 64;
+#else
+inline constexpr int kDoubleBytes = kPartBytes;
+#endif
+inline constexpr int kDoubleParts = 128 / kDoubleBytes;
+inline constexpr int kPartLanes = kDoubleBytes / 8;
+typedef double DPart __attribute__((vector_size(kDoubleBytes)));
+typedef float FHalf __attribute__((vector_size(kDoubleBytes / 2)));
+typedef std::int32_t IHalf __attribute__((vector_size(kDoubleBytes / 2)));
+struct alignas(64) D16 {
+  DPart part[kDoubleParts];
 };
 
 template <class F>
-inline D16 each_half(F f) {
-  return {{f(0), f(1)}};
+inline D16 each_part(F f) {
+  D16 r;
+  for (int i = 0; i < kDoubleParts; ++i) r.part[i] = f(i);
+  return r;
 }
-inline D8 splat8(double v) { return D8{} + v; }
-inline D16 splat16(double v) { return {{splat8(v), splat8(v)}}; }
+inline DPart splat_part(double v) { return DPart{} + v; }
+inline D16 splat16(double v) {
+  return each_part([&](int) { return splat_part(v); });
+}
 inline D16 load16(const double* p) {
-  D16 v;
-  __builtin_memcpy(&v, p, sizeof v);
-  return v;
+  return each_part([&](int i) {
+    DPart v;
+    __builtin_memcpy(&v, p + static_cast<long>(i) * kPartLanes, sizeof v);
+    return v;
+  });
 }
-inline void store16(double* p, const D16& v) { __builtin_memcpy(p, &v, sizeof v); }
+inline void store16(double* p, const D16& v) {
+  for (int i = 0; i < kDoubleParts; ++i) {
+    __builtin_memcpy(p + static_cast<long>(i) * kPartLanes, &v.part[i], sizeof v.part[i]);
+  }
+}
 inline D16 operator+(const D16& a, const D16& b) {
-  return each_half([&](int h) { return a.half[h] + b.half[h]; });
+  return each_part([&](int i) { return a.part[i] + b.part[i]; });
 }
 inline D16 operator-(const D16& a, const D16& b) {
-  return each_half([&](int h) { return a.half[h] - b.half[h]; });
+  return each_part([&](int i) { return a.part[i] - b.part[i]; });
 }
 inline D16 operator*(const D16& a, const D16& b) {
-  return each_half([&](int h) { return a.half[h] * b.half[h]; });
+  return each_part([&](int i) { return a.part[i] * b.part[i]; });
 }
 inline D16 operator/(const D16& a, const D16& b) {
-  return each_half([&](int h) { return a.half[h] / b.half[h]; });
+  return each_part([&](int i) { return a.part[i] / b.part[i]; });
 }
+inline DPart min(const DPart& a, const DPart& b) { return a < b ? a : b; }
+inline DPart max(const DPart& a, const DPart& b) { return a > b ? a : b; }
 inline D16 min(const D16& a, const D16& b) {
-  return each_half([&](int h) { return a.half[h] < b.half[h] ? a.half[h] : b.half[h]; });
+  return each_part([&](int i) { return min(a.part[i], b.part[i]); });
 }
 inline D16 max(const D16& a, const D16& b) {
-  return each_half([&](int h) { return a.half[h] > b.half[h] ? a.half[h] : b.half[h]; });
+  return each_part([&](int i) { return max(a.part[i], b.part[i]); });
 }
 inline D16 sqrt(const D16& a) {
+  return each_part([&](int i) {
 #if defined(__AVX512F__)
-  return each_half([&](int h) { return (D8)_mm512_sqrt_pd((__m512d)a.half[h]); });
+    return (DPart)_mm512_sqrt_pd((__m512d)a.part[i]);
+#elif defined(__AVX2__)
+    return (DPart)_mm256_sqrt_pd((__m256d)a.part[i]);
 #else
-  D16 r;
-  for (int h = 0; h < 2; ++h) {
-    for (int i = 0; i < 8; ++i) r.half[h][i] = __builtin_sqrt(a.half[h][i]);
+    DPart r;
+    for (int k = 0; k < kPartLanes; ++k) r[k] = __builtin_sqrt(a.part[i][k]);
+    return r;
+#endif
+  });
+}
+
+// Two halves as one, in registers: a load of what two stores have just written waits for both.
+#if defined(__AVX512F__)
+inline F16 joined(FHalf low, FHalf high) {
+  const __m512 wide = _mm512_castps256_ps512((__m256)low);
+  return (F16)_mm512_insertf32x8(wide, (__m256)high, 1);
+}
+inline I16 joined(IHalf low, IHalf high) { return (I16)joined((FHalf)low, (FHalf)high); }
+template <class Half, class Whole>
+inline Half half_of(const Whole& a, int i) {
+  return (Half)(i == 0 ? _mm512_castps512_ps256((__m512)a) : _mm512_extractf32x8_ps((__m512)a, 1));
+}
+#else
+template <class Whole, class Half>
+inline Whole joined_part(const Half& low, const Half& high) {
+#if defined(__AVX2__)
+  return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+#else
+  return __builtin_shufflevector(low, high, 0, 1, 2, 3);
+#endif
+}
+template <class Half, class Whole>
+inline Half half_of(const Whole& a, int i) {
+  const auto whole = a.part[i / 2];
+#if defined(__AVX2__)
+  return i % 2 == 0 ? __builtin_shufflevector(whole, whole, 0, 1, 2, 3)
+                    : __builtin_shufflevector(whole, whole, 4, 5, 6, 7);
+#else
+  return i % 2 == 0 ? __builtin_shufflevector(whole, whole, 0, 1)
+                    : __builtin_shufflevector(whole, whole, 2, 3);
+#endif
+}
+#endif
+
+template <class Whole, class Half>
+inline Whole converted(const D16& a) {
+#if defined(__AVX512F__)
+  return joined(__builtin_convertvector(a.part[0], Half), __builtin_convertvector(a.part[1], Half));
+#else
+  Whole r;
+  for (int i = 0; i < kParts; ++i) {
+    const Half low = __builtin_convertvector(a.part[2 * i], Half);
+    const Half high = __builtin_convertvector(a.part[2 * i + 1], Half);
+    r.part[i] = joined_part<decltype(+r.part[i])>(low, high);
   }
   return r;
 #endif
 }
-// Two halves as one: in registers where the machine has such wide ones, for a load of what two
-// stores have just written waits for both.
-template <class Whole, class Half>
-inline Whole joined(const Half& low, const Half& high) {
-#if defined(__AVX512F__)
-  const __m512 wide = _mm512_castps256_ps512((__m256)low);
-  return (Whole)_mm512_insertf32x8(wide, (__m256)high, 1);
-#else
-  Whole r;
-  __builtin_memcpy(&r, &low, sizeof low);
-  __builtin_memcpy(reinterpret_cast<char*>(&r) + sizeof low, &high, sizeof high);
-  return r;
-#endif
-}
 // Towards zero.
-inline I16 to_int(const D16& a) {
-  return joined<I16>(__builtin_convertvector(a.half[0], I8),
-                     __builtin_convertvector(a.half[1], I8));
+inline I16 to_int(const D16& a) { return converted<I16, IHalf>(a); }
+inline F16 to_float(const D16& a) { return converted<F16, FHalf>(a); }
+inline D16 to_double(const F16& a) {
+  return each_part([&](int i) { return __builtin_convertvector(half_of<FHalf>(a, i), DPart); });
 }
-inline F16 to_float(const D16& a) {
-  return joined<F16>(__builtin_convertvector(a.half[0], F8),
-                     __builtin_convertvector(a.half[1], F8));
+inline D16 to_double(const I16& a) {
+  return each_part([&](int i) { return __builtin_convertvector(half_of<IHalf>(a, i), DPart); });
 }
-template <class Half, class Whole>
-inline D16 to_double(const Whole& a) {
-  return each_half([&](int h) {
-    Half part;
-    __builtin_memcpy(&part, reinterpret_cast<const char*>(&a) + h * sizeof part, sizeof part);
-    return __builtin_convertvector(part, D8);
-  });
-}
-inline D16 to_double(F16 a) { return to_double<F8>(a); }
-inline D16 to_double(I16 a) { return to_double<I8>(a); }
 
 }  // namespace sdfgrid::SDFGRID_ISA

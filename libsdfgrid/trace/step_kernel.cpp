@@ -30,8 +30,8 @@ void clip(const RayLanes& rays, const double lo[3], const double hi[3], double* 
   for (int a = 0; a < 3; ++a) {
     // A direction that is nearly 0 leaves the box far away, or never.
     D16 along = load16(rays.along[a]);
-    for (D8& d : along.half) {
-      const D8 least = d < 0 ? splat8(-1e-200) : splat8(1e-200);
+    for (DPart& d : along.part) {
+      const DPart least = d < 0 ? splat_part(-1e-200) : splat_part(1e-200);
       d = (d < 0 ? -d : d) < 1e-200 ? least : d;
     }
     const D16 inverse = splat16(1) / along;
@@ -46,9 +46,10 @@ void clip(const RayLanes& rays, const double lo[3], const double hi[3], double* 
 }
 
 inline float largest_root(const D16& squares) {
-  const D8 larger = squares.half[0] > squares.half[1] ? squares.half[0] : squares.half[1];
+  DPart larger = squares.part[0];
+  for (int i = 1; i < kDoubleParts; ++i) larger = max(larger, squares.part[i]);
   double largest = 0;
-  for (int i = 0; i < kLanes / 2; ++i) largest = larger[i] > largest ? larger[i] : largest;
+  for (int i = 0; i < kPartLanes; ++i) largest = larger[i] > largest ? larger[i] : largest;
   return static_cast<float>(__builtin_sqrt(largest));
 }
 
@@ -77,16 +78,16 @@ void beam(const RayLanes& rays, RayLanes& axes, RayGroup& beams, int lane) {
 
 // Of the lanes that are left of `from` the least, of the others' `to` the largest.
 inline GroupWay way_of(const D16& from, const D16& to) {
-  D8 least = splat8(1e300);
-  D8 most = splat8(-1e300);
-  for (int h = 0; h < 2; ++h) {
-    const D8 f = from.half[h] < to.half[h] ? from.half[h] : splat8(1e300);
-    const D8 t = from.half[h] < to.half[h] ? to.half[h] : splat8(-1e300);
-    least = f < least ? f : least;
-    most = t > most ? t : most;
+  DPart least = splat_part(1e300);
+  DPart most = splat_part(-1e300);
+  for (int h = 0; h < kDoubleParts; ++h) {
+    const DPart f = from.part[h] < to.part[h] ? from.part[h] : splat_part(1e300);
+    const DPart t = from.part[h] < to.part[h] ? to.part[h] : splat_part(-1e300);
+    least = min(f, least);
+    most = max(t, most);
   }
   GroupWay way{least[0], most[0]};
-  for (int i = 1; i < kLanes / 2; ++i) {
+  for (int i = 1; i < kPartLanes; ++i) {
     way.clear = least[i] < way.clear ? least[i] : way.clear;
     way.end = most[i] > way.end ? most[i] : way.end;
   }
@@ -289,12 +290,12 @@ struct Corners {
                        to_double(load(around.widening)) * (t - splat16(around.base));
     for (int a = 0; a < 3; ++a) {
       const D16 c = load16(around.rays->start[a]) + t * load16(around.rays->along[a]);
-      for (int h = 0; h < 2; ++h) {
-        const D8 r = radius.half[h];
-        const D8 low = live.half[h] > 0 ? c.half[h] - r : splat8(1e300);
-        const D8 high = live.half[h] > 0 ? c.half[h] + r : splat8(-1e300);
-        lo[a].half[h] = low < lo[a].half[h] ? low : lo[a].half[h];
-        hi[a].half[h] = high > hi[a].half[h] ? high : hi[a].half[h];
+      for (int h = 0; h < kDoubleParts; ++h) {
+        const DPart r = radius.part[h];
+        const DPart low = live.part[h] > 0 ? c.part[h] - r : splat_part(1e300);
+        const DPart high = live.part[h] > 0 ? c.part[h] + r : splat_part(-1e300);
+        lo[a].part[h] = min(low, lo[a].part[h]);
+        hi[a].part[h] = max(high, hi[a].part[h]);
       }
     }
   }
@@ -320,13 +321,13 @@ GroupRoom room(const RayGroup* beams, const double* clear, const double* end, in
     const D16 from = max(load16(clear + group), splat16(t0));
     const D16 to = min(load16(end + group), splat16(t1));
     D16 live = load16(within);
-    D8 count = splat8(0);
-    for (int h = 0; h < 2; ++h) {
-      live.half[h] = from.half[h] < to.half[h] ? live.half[h] : splat8(0);
-      count += live.half[h];
+    DPart count = splat_part(0);
+    for (int h = 0; h < kDoubleParts; ++h) {
+      live.part[h] = from.part[h] < to.part[h] ? live.part[h] : splat_part(0);
+      count += live.part[h];
     }
     double sum = 0;
-    for (int i = 0; i < kLanes / 2; ++i) sum += count[i];
+    for (int i = 0; i < kPartLanes; ++i) sum += count[i];
     if (sum == 0) continue;
     r.groups += static_cast<int>(sum);
     all.add(beams[group / kLanes], from, live);
