@@ -13,9 +13,9 @@ constexpr int kPlane = kEdge * kEdge;
 constexpr int kSamples = kEdge * kPlane;
 constexpr int kOctants = 8;
 
-typedef float F8 __attribute__((vector_size(32)));
-typedef double D8 __attribute__((vector_size(64)));
-typedef std::int32_t I8 __attribute__((vector_size(32)));
+using F8 = float __attribute__((vector_size(32)));
+using D8 = double __attribute__((vector_size(64)));
+using I8 = std::int32_t __attribute__((vector_size(32)));
 
 // Sets eight samples; `changed` gets a bit wherever one was another before.
 inline void copy_row(const float* from, double factor, float* to, I8& changed) {
@@ -203,10 +203,10 @@ void survey(const float* samples, float margin, SampleSurvey& out) {
 }
 
 // The cells of a brick, a lane for each x: bit y * 8 + z.
-typedef std::uint64_t Cells __attribute__((vector_size(64)));
-typedef std::int64_t Lanes __attribute__((vector_size(64)));
+using Cells = std::uint64_t __attribute__((vector_size(64)));
+using Lanes = std::int64_t __attribute__((vector_size(64)));
 
-inline Cells mirror_x(Cells c) { return __builtin_shuffle(c, Lanes{7, 6, 5, 4, 3, 2, 1, 0}); }
+inline Cells mirror_x(Cells c) { return __builtin_shufflevector(c, c, 7, 6, 5, 4, 3, 2, 1, 0); }
 inline Cells mirror_y(Cells c) {
   c = (c >> 8 & 0x00ff00ff00ff00ffU) | (c & 0x00ff00ff00ff00ffU) << 8;
   c = (c >> 16 & 0x0000ffff0000ffffU) | (c & 0x0000ffff0000ffffU) << 16;
@@ -220,7 +220,7 @@ inline Cells mirror_z(Cells c) {
 
 // The cells from which one of `c` is at most one ahead, on all axes.
 inline Cells grow_back(Cells c) {
-  c = c | __builtin_shuffle(c, Cells{}, Lanes{1, 2, 3, 4, 5, 6, 7, 8});
+  c = c | __builtin_shufflevector(c, Cells{}, 1, 2, 3, 4, 5, 6, 7, 8);
   c = c | (c >> 1 & 0x7f7f7f7f7f7f7f7fU);
   return c | c >> 8;
 }

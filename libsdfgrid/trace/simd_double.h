@@ -14,9 +14,9 @@ inline constexpr int kDoubleBytes = kPartBytes;
 #endif
 inline constexpr int kDoubleParts = 128 / kDoubleBytes;
 inline constexpr int kPartLanes = kDoubleBytes / 8;
-typedef double DPart __attribute__((vector_size(kDoubleBytes)));
-typedef float FHalf __attribute__((vector_size(kDoubleBytes / 2)));
-typedef std::int32_t IHalf __attribute__((vector_size(kDoubleBytes / 2)));
+using DPart = double __attribute__((vector_size(kDoubleBytes)));
+using FHalf = float __attribute__((vector_size(kDoubleBytes / 2)));
+using IHalf = std::int32_t __attribute__((vector_size(kDoubleBytes / 2)));
 struct alignas(64) D16 {
   DPart part[kDoubleParts];
 };

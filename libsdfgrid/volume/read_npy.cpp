@@ -53,7 +53,7 @@ std::string_view value_of(const std::string& path, const std::string& text, cons
   const std::string quoted = fmt::format("'{}'", key);
   std::size_t at = text.find(quoted);
   if (at != std::string::npos) at = text.find(':', at + quoted.size());
-  if (at != std::string::npos) at = text.find_first_not_of(" ", at + 1);
+  if (at != std::string::npos) at = text.find_first_not_of(' ', at + 1);
   if (at == std::string::npos) {
     throw input_error(path, "header", fmt::format("there is no {}", quoted), kSaveAgain);
   }
