@@ -9,6 +9,7 @@ sdfgrid_test(volume_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/isosurface_test.cpp
                                  ${CMAKE_CURRENT_LIST_DIR}/stack_test.cpp
                                  ${CMAKE_CURRENT_LIST_DIR}/write_test.cpp
                                  ${CMAKE_CURRENT_LIST_DIR}/fuzz_test.cpp
+                                 ${CMAKE_CURRENT_LIST_DIR}/leaks.cpp
              PACKAGES sdfgrid::volume_files sdfgrid::OpenImageIO OpenVDB::openvdb ZLIB::ZLIB)
 sdfgrid_test(volume_app_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/command_test.cpp
                                      ${PROJECT_SOURCE_DIR}/tests/app/process.cpp
