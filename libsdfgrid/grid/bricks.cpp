@@ -31,7 +31,7 @@ GridBricks::GridBricks(const Grid& grid)
 
 GridBricks::GridBricks(const GridBricks& other) : GridBricks(other.grid_) {}
 
-GridBricks::~GridBricks() = default;
+GridBricks::~GridBricks() { finish(); }
 
 GridBrick GridBricks::find(const glm::ivec3& brick) const {
   const openvdb::Coord at = corner(brick);

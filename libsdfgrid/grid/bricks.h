@@ -43,7 +43,7 @@ class GridBricks {
   // Puts one inactive value in place of the brick.
   void drop(const glm::ivec3& brick, float value);
   // To be called after the last drop, before anybody else reads the grid: makes OpenVDB's accessors
-  // forget what was dropped, any of which may remember it.
+  // forget what was dropped, any of which may remember it. The destructor does it, too.
   void finish();
 
   // The materials of its kBrickSamples samples (grid/paint.h); null where none is painted. Good

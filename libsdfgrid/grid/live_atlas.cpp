@@ -191,6 +191,7 @@ void LiveAtlas::update(const Target& target) {
   if (had < 0 && !own && !is_reached(target, had == Atlas::kInside)) return;
   float gathered[kSamples];
   float* samples = had < 0 ? gathered : atlas_.samples.data() + std::size_t(had) * kSamples;
+  if (had < 0) std::fill(std::begin(gathered), std::end(gathered), 0.0F);  // it is compared with
   bool changed = own || had < 0;
   for (int n = 0; n < 8; ++n) {
     if (had >= 0 && target.from[n] < 0) continue;

@@ -23,8 +23,9 @@ class LiveAtlas {
   [[nodiscard]] const Atlas& atlas() const { return atlas_; }
 
   // Makes the atlas say of these bricks (index >> 3) and of the cells beside them what the grid
-  // says now. Its field and its crossing cells are then those of make_atlas(); the order of its
-  // bricks is not, and jumps may be shorter than they could be. Costs what the bricks cost, except
+  // says now. Its field is then that of make_atlas(), and so are its crossing cells but for the
+  // margin, which is that of the steepest brick so far; the order of its bricks is not, and jumps
+  // may be shorter than they could be. Costs what the bricks cost, except
   // where the grid grew beyond the tables: then all is made anew. Not safe beside readers of the
   // atlas.
   void refresh(std::span<const glm::ivec3> changed, const Job& job);

@@ -41,13 +41,17 @@ bool is_gentle(const openvdb::FloatGrid& grid, double voxel, const Job& job) {
   std::atomic<std::size_t> gentle{0};
   parallel_for(leaves.size(), kLeavesPerTask, job, [&](std::size_t begin, std::size_t end) {
     const Accessor values = grid.getConstAccessor();
+    std::size_t beside_here = 0;
+    std::size_t gentle_here = 0;
     for (std::size_t i = begin; i < end; ++i) {
       for (auto it = leaves[i]->cbeginValueOn(); it; ++it) {
         if (!beside_surface(values, it.getCoord(), *it < 0)) continue;
-        ++beside;
-        if (slope_at(values, it.getCoord(), voxel) < 0.7) ++gentle;
+        ++beside_here;
+        if (slope_at(values, it.getCoord(), voxel) < 0.7) ++gentle_here;
       }
     }
+    beside += beside_here;
+    gentle += gentle_here;
   });
   return 5 * gentle > beside;
 }

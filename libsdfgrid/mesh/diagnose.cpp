@@ -126,18 +126,23 @@ void count_duplicates(const TriangleSoup& soup, MeshDiagnosis& result) {
       visit(corner[0], Pair{corner[1], corner[2]});
     }
   });
+  std::size_t duplicates = 0;
   for (std::size_t low = 0; low < faces.size(); ++low) {
     std::sort(faces.begin(low), faces.end(low));
     for (const Pair* face = faces.begin(low); face != faces.end(low); ++face) {
-      if (face != faces.begin(low) && face[0] == face[-1]) ++result.duplicate_faces;
+      if (face != faces.begin(low) && face[0] == face[-1]) ++duplicates;
     }
   }
+  result.duplicate_faces = duplicates;
 }
 
 void measure(const TriangleSoup& soup, MeshDiagnosis& result) {
   // Volume is summed from the middle of the box, where the terms are smallest.
   const glm::dvec3 middle =
       result.bounds.empty() ? glm::dvec3(0.0) : result.bounds.center() - soup.origin;
+  std::size_t flat = 0;
+  double area = 0;
+  double volume = 0;
   for (const glm::uvec3& t : soup.triangles) {
     const glm::dvec3 a = soup.local(t.x) - middle;
     const glm::dvec3 b = soup.local(t.y) - middle;
@@ -146,10 +151,13 @@ void measure(const TriangleSoup& soup, MeshDiagnosis& result) {
     const double doubled = glm::length(normal);
     const double longest =
         std::max({glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
-    if (doubled <= 8.0 * std::numeric_limits<double>::epsilon() * longest) ++result.zero_area_faces;
-    result.area += 0.5 * doubled;
-    result.volume += glm::dot(a, normal) / 6.0;
+    if (doubled <= 8.0 * std::numeric_limits<double>::epsilon() * longest) ++flat;
+    area += 0.5 * doubled;
+    volume += glm::dot(a, normal) / 6.0;
   }
+  result.zero_area_faces = flat;
+  result.area = area;
+  result.volume = volume;
 }
 
 std::size_t used_points(const TriangleSoup& soup) {

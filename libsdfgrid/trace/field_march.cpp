@@ -176,7 +176,7 @@ void FieldMarch::march(const Field& field, const Part& part) {
   const bool single = part.end - part.begin == 1;
   const bool few =
       room.groups <= (along ? kFewAlong : kFewAcross) && field.size() <= kMostInstructions;
-  const bool last = few || (single && !along) || length < 1e-3 * part.t1;
+  const bool last = few || (along ? length < 1e-3 * part.t1 : single);
   const auto here = field.restricted(box, last ? kAnyLength : kMostInstructions);
   if (here) {
     const double nearest = rules_.sign > 0 ? here->range.lo : -here->range.hi;
@@ -213,9 +213,10 @@ void FieldMarch::trace(const Field& field, const Part& part) {
                 static_cast<float>(t1 - t0),
                 rules_.relax,
                 rules_.convex};
-  if (rules_.beams) lead(field, t0, rule);
+  const bool beams = rules_.beams && bundle_->size >= kLanes;  // one ray is its own beam
+  if (beams) lead(field, t0, rule);
   list_ = groups_;
-  steps(field, rays_, list_, rule, rules_.beams ? from_.data() : nullptr);
+  steps(field, rays_, list_, rule, beams ? from_.data() : nullptr);
   for (const std::uint32_t i : groups_) collect(i);
 }
 

@@ -151,21 +151,25 @@ void write_results(const Bundle& bundle, std::span<const glm::ivec2> blocks, Hit
 
 }  // namespace
 
-// A box around all of the region that is seen through a square of pixels.
+// A box around all of the region that is seen through a square of pixels, and around the beams of
+// its blocks: those at the picture's border reach beyond it, and the axis of a beam may run beside
+// what its rays see.
 Box FieldTracer::seen_through(const RayGenerator& generator, const glm::dvec3& eye,
                               const PixelSquare& square) const {
   const glm::dvec3 farthest = glm::max(glm::abs(region_.lo - eye), glm::abs(region_.hi - eye));
+  const auto whole_blocks = [](int pixels) { return (pixels + kSide - 1) / kSide * kSide; };
   Box box;
   box.add(eye);
-  for (const int x : {square.x, square.x + square.width}) {
-    for (const int y : {square.y, square.y + square.height}) {
+  for (const int x : {square.x, square.x + whole_blocks(square.width)}) {
+    for (const int y : {square.y, square.y + whole_blocks(square.height)}) {
       // These are one unit deep, so that all points between them are in the box.
       const glm::dvec3 through =
           generator.corner() + double(x) * generator.right() + double(y) * generator.down();
       box.add(eye + 1.01 * glm::length(farthest) * through);
     }
   }
-  const double slack = kFieldSlack * (largest(region_.lo) + largest(region_.hi));
+  const double beam = kSide * glm::length(generator.right()) * glm::length(farthest);
+  const double slack = kFieldSlack * (largest(region_.lo) + largest(region_.hi)) + beam;
   box.lo = glm::max(box.lo, region_.lo) - slack;
   box.hi = glm::min(box.hi, region_.hi) + slack;
   return box;

@@ -28,7 +28,7 @@
 
 namespace sdfgrid {
 
-// All on: each alone changes the work, never what is hit.
+// All on: each alone changes the work, not what is hit but for rays that graze.
 struct FieldTraceOptions {
   bool relax = true;
   bool local_bounds = true;

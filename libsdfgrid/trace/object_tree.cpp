@@ -117,9 +117,15 @@ class Traversal {
     if (stretches_.empty()) return;
     march_.run(bundle_, object.field, rules, stretches_);
     for (const Passage& passage : groups) {
-      const double* const depth = bundle_.depth.data() + std::size_t{passage.group} * kLanes;
-      deepest_[passage.group] = *std::max_element(depth, depth + kLanes);
+      const std::size_t first = std::size_t{passage.group} * kLanes;
+      const double* const depth = bundle_.depth.data() + first;
+      deepest_[passage.group] = *std::max_element(depth, depth + rays_of(first));
     }
+  }
+
+  // Of the group whose first ray that is: the bundle's last one may not be full.
+  [[nodiscard]] std::size_t rays_of(std::size_t first) const {
+    return std::min<std::size_t>(kLanes, bundle_.size - first);
   }
 
   // The stretches of a group's rays in a box, before what they hit.
@@ -128,8 +134,7 @@ class Traversal {
     double to[kLanes];
     step_kernel().clip(bundle_.rays[group], &box.lo.x, &box.hi.x, from, to);
     const std::size_t first = std::size_t{group} * kLanes;
-    const std::size_t n = std::min<std::size_t>(kLanes, bundle_.size - first);
-    for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t i = 0; i < rays_of(first); ++i) {
       const double end = std::min(to[i], bundle_.depth[first + i]);
       if (!(from[i] < end)) continue;
       stretches_.push_back({static_cast<std::uint32_t>(first + i), from[i], end});

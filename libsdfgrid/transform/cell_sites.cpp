@@ -13,8 +13,6 @@
 namespace sdfgrid {
 namespace {
 
-constexpr std::size_t kMost = 0xffff;  // triangles of a brick
-
 std::uint64_t cells_of(const std::uint64_t samples[8]) {
   std::uint64_t cells = 0;
   for (int x = 0; x < kBrickCells; ++x) {
@@ -79,23 +77,27 @@ CellTriangles::CellTriangles(const Brick& brick) : with_seeds(cells_of(brick.act
 }
 
 void CellTriangles::add(std::span<const Small> small) {
+  constexpr std::size_t kMostSmall = 32;  // a cell; more hardly come nearer, and cost
+  auto starts = first;
   std::vector<std::uint32_t> all;
-  all.reserve(triangles.size() + small.size());
-  auto next = small.begin();
+  all.reserve(triangles.size() + std::min(small.size(), first.size() * kMostSmall));
+  std::size_t next = 0;
   for (std::size_t cell = 0; cell + 1 < first.size(); ++cell) {
-    const auto begin = static_cast<std::ptrdiff_t>(all.size());
-    const auto known = std::span(triangles).subspan(first[cell]);
-    const std::size_t end = first[cell + 1] - first[cell];
-    if (cell > 0) first[cell] = static_cast<std::uint16_t>(begin);
-    all.insert(all.end(), known.begin(), known.begin() + static_cast<std::ptrdiff_t>(end));
-    for (; next != small.end() && next->cell == cell; ++next) {
-      if ((with_seeds >> cell & 1) == 0 || all.size() == kMost) continue;
-      if (std::find(all.begin() + begin, all.end(), next->triangle) == all.end()) {
-        all.push_back(next->triangle);
-      }
+    const auto known =
+        std::span(triangles).subspan(first[cell], std::size_t{first[cell + 1]} - first[cell]);
+    std::size_t end = next;
+    while (end < small.size() && small[end].cell == cell) ++end;
+    starts[cell] = static_cast<std::uint16_t>(all.size());
+    all.insert(all.end(), known.begin(), known.end());
+    const std::size_t step = (end - next + kMostSmall - 1) / kMostSmall;
+    for (; (with_seeds >> cell & 1) != 0 && next < end; next += step) {
+      const std::uint32_t triangle = small[next].triangle;
+      if (std::find(known.begin(), known.end(), triangle) == known.end()) all.push_back(triangle);
     }
+    next = end;
   }
-  first.back() = static_cast<std::uint16_t>(all.size());
+  starts.back() = static_cast<std::uint16_t>(all.size());
+  first = starts;
   triangles = std::move(all);
 }
 

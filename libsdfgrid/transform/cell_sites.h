@@ -18,7 +18,8 @@ inline constexpr int kBrickCells = 4;  // kBrickEdge / kCell
 inline constexpr int kBlockCells = 8;  // a block is 2^3 bricks
 
 // The triangles nearest to the seeds in each cell of a brick, and those so small that several may
-// be between seeds, in the cell of their middle. Each once a cell.
+// be between seeds, in the cell of their middle: evenly chosen ones where a cell has very many.
+// Each once a cell.
 struct CellTriangles {
   std::uint64_t with_seeds;  // which cells have any: bit (x * 4 + y) * 4 + z
   std::array<std::uint16_t, kBrickCells * kBrickCells * kBrickCells + 1> first{};

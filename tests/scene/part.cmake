@@ -8,6 +8,12 @@ sdfgrid_test(scene_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/scene_test.cpp
              PACKAGES OpenVDB::openvdb)
 target_compile_definitions(scene_test PRIVATE SDFGRID_BINARY="")
 
+# Rays against fields on every instruction set.
+foreach(isa baseline avx2)
+  add_test(NAME FieldTrace.${isa} COMMAND scene_test --gtest_filter=FieldTrace*)
+  set_tests_properties(FieldTrace.${isa} PROPERTIES ENVIRONMENT SDFGRID_ISA=${isa} LABELS fast)
+endforeach()
+
 # A million rays: SDFGRID_HOSTILE_RAYS=1000000 build/release/tests/hostile_test
 sdfgrid_test(hostile_test LABEL heavy SOURCES ${CMAKE_CURRENT_LIST_DIR}/hostile_test.cpp PACKAGES fmt::fmt)
 
