@@ -274,9 +274,12 @@ void report_front(const std::vector<ChartPoint>& points, Context& context) {
   }
   context.print("Pareto front (time, largest error between voxels): {}", front);
   for (const std::string& method : methods_of(points)) {
-    context.print("order of {:<12} smooth {:.2f}, edge {:.2f}, medial {:.2f}", method,
-                  order_of(points, method, 0), order_of(points, method, 1),
-                  order_of(points, method, 2));
+    const auto order = [&](std::size_t part) {
+      const double value = order_of(points, method, part);
+      return std::isnan(value) ? "unknown" : fmt::format("{:.2f}", value);
+    };
+    context.print("order of {:<12} smooth {}, edge {}, medial {}", method, order(0), order(1),
+                  order(2));
   }
 }
 

@@ -67,6 +67,11 @@ TransformOptions TransformChoice::options_for(const std::vector<std::string>& me
   }
   if (bucket && !any_buckets) refuse_for(methods, "--bucket", &TransformMethodInfo::buckets);
   if (!mask.empty() && !any_steps) refuse_for(methods, "--mask", &TransformMethodInfo::steps);
+  constexpr double kLeastBucket = 1e-4;  // below, the empty ones take more than the heap
+  if (bucket && *bucket > 0 && *bucket < kLeastBucket) {
+    throw Error(ErrorKind::usage,
+                fmt::format("--bucket must be 0 (a heap), or {} to 16", kLeastBucket));
+  }
   if (bucket) options.bucket_width = *bucket;
   if (!mask.empty()) options.steps = read_chamfer_steps(mask);
   return options;

@@ -73,8 +73,10 @@ StrokeFile read_stroke_file(const Options& options, FileStamps& stamps, Context&
 
 // Applies the strokes from `first` on by `apply`, which returns a stroke's report.
 template <class Apply>
-Totals apply_all(const StrokeFile& file, std::size_t first, const std::string& source,
+Totals apply_all(const StrokeFile& file, std::size_t first, const Options& options,
                  Context& context, const Apply& apply) {
+  const std::string& source = options.strokes;
+  const bool in_session = !options.session.empty();
   Totals totals;
   const std::size_t count = file.strokes.size();
   for (std::size_t i = first; i < count; ++i) {
@@ -87,7 +89,14 @@ Totals apply_all(const StrokeFile& file, std::size_t first, const std::string& s
       ++totals.strokes;
     } catch (const Error& e) {
       if (e.kind() != ErrorKind::usage) throw;
-      throw Error(ErrorKind::input, name + ": " + e.what());
+      const std::size_t stand = i - first;
+      throw Error(ErrorKind::input,
+                  fmt::format("{}: {}{}", name, e.what(),
+                              in_session && stand > 0
+                                  ? fmt::format("; {} before it stand in the session: mend the "
+                                                "file and go on with --resume",
+                                                stand)
+                                  : ""));
     }
     context.job().report("sculpt", static_cast<double>(i + 1) / static_cast<double>(count));
   }
@@ -104,6 +113,7 @@ void write(const Grid& grid, const Options& options, Context& context) {
   stamped.set_metadata("sdfgrid:version", SDFGRID_VERSION);
   stamped.remove_metadata("sdfgrid:max_error");
   write_grid(stamped, options.output.path);
+  if (!grid.has_inside()) context.warn("nothing is left of the model: the grid has no inside");
 }
 
 void describe(const Totals& totals, const Stopwatch& watch, Context& context) {
@@ -130,7 +140,7 @@ Exit sculpt_file(const Options& options, Context& context) {
   sculpt.redistance = options.redistance;
   sculpt.undo.full_bytes = 0;
   Sculptor sculptor(grid, sculpt);
-  const Totals totals = apply_all(file, 0, options.strokes, context, [&](const Stroke& stroke) {
+  const Totals totals = apply_all(file, 0, options, context, [&](const Stroke& stroke) {
     return sculptor.apply(stroke, context.job());
   });
   watch.lap("edit");
@@ -183,7 +193,7 @@ Exit run_session(const Options& options, Context& context) {
     context.print("{} of {} strokes of {} left out: the session ends with them", first,
                   file.strokes.size(), options.strokes);
   }
-  const Totals totals = apply_all(file, first, options.strokes, context, [&](const Stroke& stroke) {
+  const Totals totals = apply_all(file, first, options, context, [&](const Stroke& stroke) {
     return session.apply(stroke, context.job());
   });
   watch.lap("edit");

@@ -382,7 +382,17 @@ Sculptor::Sculptor(const Grid& grid, const SculptOptions& options)
 Sculptor::~Sculptor() = default;
 
 StrokeReport Sculptor::apply(const Stroke& stroke, const Job& job) {
-  return Pass(*this, stroke, job).run();
+  // Beyond the band the model's distances are cut off, which a wider blend would take for nearness.
+  const double widest = std::min(limits_.outside, -limits_.inside);
+  if (stroke.smooth <= widest) return Pass(*this, stroke, job).run();
+  Stroke narrower = stroke;
+  narrower.smooth = widest;
+  StrokeReport report = Pass(*this, narrower, job).run();
+  report.warnings.push_back(
+      fmt::format("the blend is {:.4g} wide, the grid's band {:.4g}: it was made as wide as the "
+                  "band; convert with a larger --width for more",
+                  stroke.smooth, widest));
+  return report;
 }
 
 bool Sculptor::undo() {

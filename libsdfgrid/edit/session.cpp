@@ -146,7 +146,8 @@ void Session::read_journal_file() {
           fmt::format("it is damaged; the {} records before it are good, the {} after it cannot be "
                       "replayed without it",
                       content.records.size() - 1, content.records_after_damage),
-          "open the session with --salvage to go on from the good ones (the journal is kept)");
+          "open the session with --resume --salvage to go on from the good ones (the journal is "
+          "kept)");
     }
     fs::copy_file(file("journal"), file("journal.damaged"), fs::copy_options::overwrite_existing);
     warnings_.push_back(

@@ -190,7 +190,8 @@ Field bounded_by_region(const OpInfo& op, const Field& raw, const std::optional<
     throw refused_op(op,
                      fmt::format("its slope has no bound on the region from ({:g}, {:g}, {:g}) to "
                                  "({:g}, {:g}, {:g}); keep away from where it degenerates: use "
-                                 "smaller parameters or another region",
+                                 "smaller parameters, another region, or for a formula "
+                                 "order: 1, an estimate without a bound",
                                  box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z));
   }
   return within_region(raw, box, std::max(slope * 1.000001, 1e-6));

@@ -24,7 +24,7 @@ constexpr int kBlock = 4;       // samples of a block: a brick has 2^3
 constexpr int kTaskEdge = 128;  // samples of what one thread takes at a time
 constexpr double kMostVoxels = 1e8;
 constexpr const char* kNothing =
-    "there is nothing to convert: the solid is empty; look for an intersection or a difference "
+    "there is nothing in it: the solid is empty; look for an intersection or a difference "
     "that leaves nothing";
 constexpr double kLeafBytes = sizeof(openvdb::FloatTree::LeafNodeType) + 512 * sizeof(float) + 64;
 

@@ -29,15 +29,14 @@ const std::vector<ChamferStep> kSteps5 = {{{1, 0, 0}, 0.9759}, {{1, 1, 0}, 1.401
 
 constexpr const char* kStepRule =
     "a chamfer step needs an offset with 3 >= x >= y >= z >= 0 and no common factor, and a "
-    "positive "
-    "length";
+    "length within half and twice its true one, in voxels (3, 4 and 5 are 1, 1.33 and 1.67)";
 constexpr const char* kUnitRule = "a chamfer mask needs a step of (1, 0, 0)";
 
 bool is_step(const ChamferStep& step) {
   const glm::ivec3& o = step.offset;
   const bool ordered = o.x >= o.y && o.y >= o.z && o.z >= 0 && o.x >= 1 && o.x <= 3;
-  return ordered && std::gcd(o.x, std::gcd(o.y, o.z)) == 1 && step.length > 0 &&
-         std::isfinite(step.length);
+  const double stretch = step.length / glm::length(glm::dvec3(o));
+  return ordered && std::gcd(o.x, std::gcd(o.y, o.z)) == 1 && stretch >= 0.5 && stretch <= 2;
 }
 
 bool has_unit(std::span<const ChamferStep> steps) {

@@ -316,6 +316,27 @@ TEST(Sculptor, BrushBelowAVoxelWarnsAndIsStillRight) {
   }
 }
 
+// What is beyond the band is not near, however wide the blend.
+TEST(Sculptor, BlendsAreNoWiderThanTheBand) {
+  const Grid sharp = ball_grid(10);
+  const Grid blended = ball_grid(10);
+  Stroke stroke = ball_stroke(StrokeOp::unite, {28, 0, 0}, 6);
+  EXPECT_TRUE(Sculptor(sharp).apply(stroke, Job()).warnings.empty());
+  stroke.smooth = 20 * sharp.lattice().voxel;
+  const StrokeReport report = Sculptor(blended).apply(stroke, Job());
+  ASSERT_EQ(report.warnings.size(), 1U);
+  EXPECT_NE(report.warnings[0].find("band"), std::string::npos) << report.warnings[0];
+  int inside = 0;
+  for (int x = -32; x <= 40; ++x) {
+    for (int y = -32; y <= 32; ++y) {
+      const bool in = blended.value({x, y, 3}) < 0;
+      EXPECT_EQ(in, sharp.value({x, y, 3}) < 0) << x << ' ' << y;
+      inside += in ? 1 : 0;
+    }
+  }
+  EXPECT_GT(inside, 100);
+}
+
 TEST(Sculptor, StrokesBeyondTheRangeAreCutOffAndSaySo) {
   const Grid grid = ball_grid(15);
   SculptOptions options;
