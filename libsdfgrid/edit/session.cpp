@@ -10,7 +10,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <ranges>
 #include <sstream>
 
 #include "sdfgrid/core/error.h"
@@ -200,7 +199,8 @@ std::size_t Session::best_snapshot(const std::vector<std::size_t>& standing, Gri
         done.size() <= standing.size() && std::equal(done.begin(), done.end(), standing.begin());
     if (stands) usable.emplace_back(i + 1, done.size());
   }
-  for (const auto& [records, strokes] : usable | std::views::reverse) {
+  std::reverse(usable.begin(), usable.end());  // the newest first
+  for (const auto& [records, strokes] : usable) {
     try {
       Grid found = read_grid(file(snapshot_name(records)));
       if (found.metadata(kHashKey) != fmt::format("{:016x}", records_[records - 1].hash)) continue;

@@ -91,9 +91,9 @@ void FieldMarch::run(Bundle& bundle, const Field& field, const MarchRules& rules
   reset(bundle, rules, bundle.rays.size());
   double from[kLanes];
   double to[kLanes];
-  for (std::size_t i = 0; i < bundle.rays.size(); ++i) {
-    kernel_.clip(bundle.rays[i], &box.lo.x, &box.hi.x, from, to);
-    begin(bundle.rays[i], from, to);
+  for (const RayLanes& rays : bundle.rays) {
+    kernel_.clip(rays, &box.lo.x, &box.hi.x, from, to);
+    begin(rays, from, to);
   }
   run(field);
 }

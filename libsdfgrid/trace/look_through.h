@@ -12,8 +12,10 @@ inline void look_through(const PacketCamera& camera, int x, int y, int size, D16
   double column[kLanes];
   double row[kLanes];
   for (int i = 0; i < kLanes; ++i) {
-    column[i] = x + size * (i % 4 + 0.5);
-    row[i] = y + size * (i / 4 + 0.5);
+    const int right = i % 4;
+    const int down = i / 4;
+    column[i] = x + size * (right + 0.5);
+    row[i] = y + size * (down + 0.5);
   }
   D16 square = splat16(0);
   for (int a = 0; a < 3; ++a) {

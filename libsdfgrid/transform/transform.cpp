@@ -60,7 +60,7 @@ void check(const DenseSeeds& seeds, const TransformOptions& options, std::size_t
 
 // Throws Error{input} naming the first value that is not finite.
 void check_finite(const DenseSeeds& seeds, const Job& job) {
-  const std::size_t row = static_cast<std::size_t>(seeds.dims.z);
+  const auto row = static_cast<std::size_t>(seeds.dims.z);
   parallel_for(seeds.values.size() / row, 256, job, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin * row; i < end * row; ++i) {
       if (std::isfinite(seeds.values[i])) continue;

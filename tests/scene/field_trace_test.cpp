@@ -16,6 +16,13 @@
 namespace sdfgrid {
 namespace {
 
+// Through the middle of pixel i of a picture of so many columns.
+Ray through_pixel(const RayGenerator& rays, int i, int columns) {
+  const int column = i % columns;
+  const int row = i / columns;
+  return rays.ray(column + 0.5, row + 0.5);
+}
+
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 
 Field field_of(const std::string& nodes) {
@@ -179,7 +186,7 @@ TEST(FieldTrace, SwitchesChangeTheWorkNotThePicture) {
         continue;
       }
       // The nearer one is within the tolerance of a surface that the other passed.
-      const Ray ray = rays.ray(i % 128 + 0.5, i / 128 + 0.5);
+      const Ray ray = through_pixel(rays, i, 128);
       const glm::dvec3 p = ray.origin + double(near) * ray.direction;
       ASSERT_LT(std::fabs(field.gradient(p).value), 0.042 * pixel * near) << off << ", pixel " << i;
       const double truth = dense_search(field, ray, 2.0 * double(near), 20000);
@@ -209,7 +216,7 @@ TEST(FieldTrace, APictureIsThatOfItsRays) {
     ASSERT_EQ(hits.steps, again.steps);
     int apart = 0;
     for (int i = 0; i < 141 * 67; ++i) {
-      const Ray ray = rays.ray(i % 141 + 0.5, i / 141 + 0.5);
+      const Ray ray = through_pixel(rays, i, 141);
       float depth = 0;
       tracer.trace({&ray, 1}, 0.02 * pixel, {&depth, 1}, {});
       const bool same =
@@ -226,6 +233,7 @@ TEST(FieldTrace, DepthIsPreciseFarFromTheCamera) {
                            {glm::dvec3(-50), glm::dvec3(50)},
                            {true, true, true, false, false, true});
   std::vector<Ray> rays;
+  rays.reserve(40);
   for (int i = 0; i < 40; ++i) rays.push_back({{0.02 * i, 0, -10000}, {0, 0, 1}});
   std::vector<float> depth(rays.size());
   tracer.trace(rays, 1e-10, depth, {});
@@ -244,7 +252,7 @@ TEST(FieldTrace, DepthOfABallIsExact) {
   const HitBuffer hits = tracer.trace_primary(camera, Job());
   const RayGenerator rays(camera);
   for (int i = 0; i < 64 * 48; ++i) {
-    const Ray ray = rays.ray(i % 64 + 0.5, i / 64 + 0.5);
+    const Ray ray = through_pixel(rays, i, 64);
     const double b = glm::dot(ray.origin, ray.direction);
     const double under = b * b - 100 + 4;
     const double near = std::sqrt(100 - b * b) - 2;  // of the ray to the ball
