@@ -193,6 +193,7 @@ struct NamedFile {
 };
 
 // How GoogleTest names a parameter.
+// NOLINTNEXTLINE(readability-identifier-naming)
 inline void PrintTo(const NamedFile& file, std::ostream* out) { *out << file.name; }
 
 // The mesh in every variant that does not need OpenMesh to write it.

@@ -31,8 +31,8 @@ Values coverage(const Shape& shape, const Inside& inside) {
     for (int j = 0; j < shape.dims.y; ++j) {
       std::vector<double> sums(static_cast<std::size_t>(shape.dims.z));
       for (int line = 0; line < kLines * kLines; ++line) {
-        const glm::dvec3 in((line / kLines + 0.5) / kLines - 0.5,
-                            (line % kLines + 0.5) / kLines - 0.5, 0);
+        const glm::ivec2 at(line / kLines, line % kLines);
+        const glm::dvec3 in((glm::dvec2(at) + 0.5) / double(kLines) - 0.5, 0);
         const glm::dvec3 p = (glm::dvec3(i, j, 0) + in) * shape.spacing - middle + off;
         const auto [lo, hi] = inside(p.x, p.y);
         for (int k = 0; k < shape.dims.z; ++k) {

@@ -192,7 +192,7 @@ TEST(MeshTransform, MeijsterIsTheDenseTransformOfTheMask) {
   for (int x = lo.x; x <= hi.x; ++x) {
     for (int y = lo.y; y <= hi.y; ++y) {
       for (int z = lo.z; z <= hi.z; ++z) {
-        const double want = static_cast<double>(dense[n++]);
+        const auto want = static_cast<double>(dense[n++]);
         const double cut = std::clamp(want, -width * voxel, width * voxel);
         ASSERT_NEAR(got.value({x, y, z}), cut, 1e-6) << x << " " << y << " " << z;
         in_band += std::abs(want) < width * voxel - 1e-9 ? 1 : 0;

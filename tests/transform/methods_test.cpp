@@ -15,6 +15,7 @@
 namespace sdfgrid {
 
 // How GoogleTest names a parameter.
+// NOLINTNEXTLINE(readability-identifier-naming)
 static void PrintTo(const TransformMethodInfo& info, std::ostream* out) { *out << info.name; }
 
 namespace {
@@ -46,7 +47,7 @@ TEST_P(EveryMethod, FindsABallFromAMask) {
   const Values exact = sampled({{41, 44, 39}}, [](const glm::dvec3& p) { return ball(p, 12); });
   const std::vector<float> distance = transformed(mask_of(exact).seeds(), options());
   for (std::size_t i = 0; i < distance.size(); ++i) {
-    const double want = static_cast<double>(exact.values[i]);
+    const auto want = static_cast<double>(exact.values[i]);
     ASSERT_NEAR(distance[i], want, 0.11 * std::abs(want) + 1.9) << i;
     ASSERT_EQ(distance[i] < 0, want < 0) << i;
   }
