@@ -189,19 +189,24 @@ bool Redistancer::run(const RedistanceTask& task, RedistancedBrick& out) {
   if (wrong_.size() == 0) return false;
   find_surface();
   measure();
-  out.brick = task.brick;
+  out.change = {task.brick, {}};
+  bool changed = false;
   std::memcpy(out.values, now.values, sizeof out.values);
   std::memcpy(out.active, now.active, sizeof out.active);
   for (std::int32_t n = 0; n < wrong_.size(); ++n) {
     const glm::ivec3 p(wrong_[n]);
     const auto reached = static_cast<float>(found_[std::size_t(n)] * voxel_);
     float& value = out.values[(p.x * 8 + p.y) * 8 + p.z];
+    const float before = value;
     value = value < 0 ? std::max(-reached, limits_.inside) : std::min(reached, limits_.outside);
     const bool active = value > limits_.inside && value < limits_.outside;
     const std::uint64_t bit = std::uint64_t{1} << (p.y * 8 + p.z);
     out.active[p.x] = active ? out.active[p.x] | bit : out.active[p.x] & ~bit;
+    if (value == before) continue;
+    out.change.samples[p.x] |= bit;
+    changed = true;
   }
-  return !std::equal(std::begin(out.values), std::end(out.values), now.values);
+  return changed;
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ struct RedistanceTask {
 };
 
 struct RedistancedBrick {
-  glm::ivec3 brick{0};
+  BrickChange change;
   float values[kBrickSamples] = {};  // world units
   std::uint64_t active[8] = {};
 };

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <unordered_set>
+#include <unordered_map>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
@@ -113,7 +113,7 @@ class Sculptor::Pass {
     report_.dabs = plan_.dabs;
     report_.warnings = plan_.warnings;
     report_.bricks_touched = record_.size();
-    sculptor_.touched_ = record_.bricks();
+    sculptor_.touched_ = record_.changes();
     sculptor_.history_.push(std::move(record_));
     return report_;
   }
@@ -133,7 +133,7 @@ class Sculptor::Pass {
   ClayDab dab_of(std::size_t placement) const;
   void find_normals();
   void commit(const BrickEdit& edit);
-  void remember(const glm::ivec3& brick, const GridBrick& now);
+  void remember(const BrickChange& change, const GridBrick& now);
   bool reaches(const PlannedBrick& planned) const;
   EditContext context() const {
     return {sculptor_.bricks_, sculptor_.grid_.lattice(), sculptor_.limits_,
@@ -153,7 +153,7 @@ class Sculptor::Pass {
   };
   std::vector<Candidate> candidates_;
   UndoRecord record_;
-  std::unordered_set<std::uint64_t> remembered_;  // bricks in the record, where they may come twice
+  std::unordered_map<std::uint64_t, std::size_t> remembered_;  // bricks that may come twice
   std::vector<RedistanceTask> tasks_;
   std::vector<glm::vec3> normals_;  // for flattening, of each mirror image
   StrokeReport report_;
@@ -303,23 +303,28 @@ void Sculptor::Pass::find_normals() {
   }
 }
 
-// Puts a brick into the record if it is not there yet.
-void Sculptor::Pass::remember(const glm::ivec3& brick, const GridBrick& now) {
+// Puts a change into the record; the brick's state only if it is not there yet.
+void Sculptor::Pass::remember(const BrickChange& change, const GridBrick& now) {
   const bool once = is_csg(stroke_.op) && sculptor_.options_.redistance == Redistance::off;
-  if (once) return record_.add(brick, now);
+  if (once) return record_.add(change, now);
+  const glm::ivec3& brick = change.brick;
   constexpr int kBits = 21;
   constexpr std::uint64_t kMask = (std::uint64_t{1} << kBits) - 1;
   const std::uint64_t key = (static_cast<std::uint64_t>(brick.x) & kMask) << 2 * kBits |
                             (static_cast<std::uint64_t>(brick.y) & kMask) << kBits |
                             (static_cast<std::uint64_t>(brick.z) & kMask);
-  if (remembered_.insert(key).second) record_.add(brick, now);
+  const auto [at, is_new] = remembered_.try_emplace(key, record_.size());
+  if (is_new) return record_.add(change, now);
+  record_.add_samples(at->second, change.samples);
 }
 
 void Sculptor::Pass::commit(const BrickEdit& edit) {
   GridBricks& bricks = sculptor_.bricks_;
   const CombineOutput& made = edit.made;
   if (made.any_changed) {
-    remember(edit.brick, edit.before);
+    BrickChange change{edit.brick, {}};
+    std::memcpy(change.samples, made.changed, sizeof change.samples);
+    remember(change, edit.before);
     if (made.all_inside || made.all_outside) {
       bricks.drop(edit.brick,
                   made.all_inside ? sculptor_.limits_.inside : sculptor_.limits_.outside);
@@ -360,11 +365,11 @@ void Sculptor::Pass::remeasure() {
   const std::vector<RedistancedBrick> found = redistance(
       sculptor_.bricks_, sculptor_.grid_.lattice().voxel, sculptor_.limits_, tasks_, job_);
   for (const RedistancedBrick& brick : found) {
-    const GridBrick now = sculptor_.bricks_.find(brick.brick);
-    remember(brick.brick, now);
+    const GridBrick now = sculptor_.bricks_.find(brick.change.brick);
+    remember(brick.change, now);
     std::memcpy(now.values, brick.values, sizeof brick.values);
     std::memcpy(now.active, brick.active, sizeof brick.active);
-    if (is_constant(brick)) sculptor_.bricks_.drop(brick.brick, brick.values[0]);
+    if (is_constant(brick)) sculptor_.bricks_.drop(brick.change.brick, brick.values[0]);
   }
   report_.remeasured += found.size();
 }

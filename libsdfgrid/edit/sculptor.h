@@ -59,8 +59,9 @@ class Sculptor {
   bool undo();
   bool redo();
 
-  // The bricks that the last call of the three above changed: what an atlas must refresh.
-  [[nodiscard]] const std::vector<glm::ivec3>& touched() const { return touched_; }
+  // What the last call of the three above changed: what an atlas must refresh. Of bricks that were
+  // painted, no samples.
+  [[nodiscard]] const std::vector<BrickChange>& touched() const { return touched_; }
   [[nodiscard]] const Grid& grid() const { return grid_; }
   [[nodiscard]] const UndoHistory& history() const { return history_; }
   [[nodiscard]] const IndexBox& range() const { return options_.range; }
@@ -73,7 +74,7 @@ class Sculptor {
   BandLimits limits_;
   GridBricks bricks_;
   UndoHistory history_;
-  std::vector<glm::ivec3> touched_;
+  std::vector<BrickChange> touched_;
   std::vector<BrickEdit> edits_;  // kept from one stroke to the next
 };
 

@@ -78,14 +78,17 @@ void UndoRecord::store(State& state, const GridBrick& now) {
   std::copy(now.active, now.active + kBrickWords, active(slot));
 }
 
-void UndoRecord::add(const glm::ivec3& brick, const GridBrick& now) {
-  State state{brick, 0, -1};
-  store(state, now);
-  states_.push_back(state);
+void UndoRecord::add(const BrickChange& change, const GridBrick& now) {
+  states_.push_back({change, 0, -1});
+  store(states_.back(), now);
+}
+
+void UndoRecord::add_samples(std::size_t i, const std::uint64_t (&samples)[kBrickWords]) {
+  for (int x = 0; x < kBrickWords; ++x) states_[i].change.samples[x] |= samples[x];
 }
 
 void UndoRecord::add_paint(const glm::ivec3& brick, const std::int32_t* now) {
-  State state{brick, 0, -1};
+  State state{{brick, {}}, 0, -1};
   if (now != nullptr) {
     state.slot = static_cast<std::int32_t>(materials_.size() / kBrickSamples);
     materials_.insert(materials_.end(), now, now + kBrickSamples);
@@ -96,31 +99,34 @@ void UndoRecord::add_paint(const glm::ivec3& brick, const std::int32_t* now) {
 void UndoRecord::exchange(GridBricks& grid) {
   UndoRecord other;
   other.reserve(states_.size());
-  for (const State& state : states_) other.add(state.brick, grid.find(state.brick));
+  for (const State& state : states_) other.add(state.change, grid.find(state.change.brick));
   for (const State& state : states_) {
     if (state.slot < 0) {
-      grid.drop(state.brick, state.constant);
+      grid.drop(state.change.brick, state.constant);
       continue;
     }
-    const GridBrick brick = grid.make_unset(state.brick);
+    const GridBrick brick = grid.make_unset(state.change.brick);
     const auto slot = static_cast<std::size_t>(state.slot);
     std::copy(values(slot), values(slot) + kBrickSamples, brick.values);
     std::copy(active(slot), active(slot) + kBrickWords, brick.active);
   }
   grid.finish();
-  for (const State& state : painted_) other.add_paint(state.brick, grid.paint(state.brick));
+  for (const State& state : painted_) {
+    const glm::ivec3& brick = state.change.brick;
+    other.add_paint(brick, grid.paint(brick));
+  }
   for (const State& state : painted_) {
     const std::size_t first = std::size_t(std::max(state.slot, 0)) * kBrickSamples;
-    grid.set_paint(state.brick, state.slot < 0 ? nullptr : materials_.data() + first);
+    grid.set_paint(state.change.brick, state.slot < 0 ? nullptr : materials_.data() + first);
   }
   *this = std::move(other);
 }
 
-std::vector<glm::ivec3> UndoRecord::bricks() const {
-  std::vector<glm::ivec3> all;
+std::vector<BrickChange> UndoRecord::changes() const {
+  std::vector<BrickChange> all;
   all.reserve(size());
-  for (const State& state : states_) all.push_back(state.brick);
-  for (const State& state : painted_) all.push_back(state.brick);
+  for (const State& state : states_) all.push_back(state.change);
+  for (const State& state : painted_) all.push_back(state.change);
   return all;
 }
 
@@ -171,7 +177,7 @@ void UndoHistory::push(UndoRecord record) {
   keep_within_budget();
 }
 
-std::vector<glm::ivec3> UndoHistory::exchange(Entry& entry, GridBricks& grid) {
+std::vector<BrickChange> UndoHistory::exchange(Entry& entry, GridBricks& grid) {
   if (entry.where == Where::spilled) {
     entry.packed = options_.store->get(entry.name);
     options_.store->forget(entry.name);
@@ -181,23 +187,23 @@ std::vector<glm::ivec3> UndoHistory::exchange(Entry& entry, GridBricks& grid) {
   entry.packed = std::vector<std::byte>();  // {} would keep the memory
   entry.where = Where::full;
   entry.record.exchange(grid);
-  return entry.record.bricks();
+  return entry.record.changes();
 }
 
-std::vector<glm::ivec3> UndoHistory::undo(GridBricks& grid) {
+std::vector<BrickChange> UndoHistory::undo(GridBricks& grid) {
   if (done_ == 0) return {};
-  const std::vector<glm::ivec3> bricks = exchange(entries_[done_ - 1], grid);
+  const std::vector<BrickChange> changes = exchange(entries_[done_ - 1], grid);
   --done_;
   keep_within_budget();
-  return bricks;
+  return changes;
 }
 
-std::vector<glm::ivec3> UndoHistory::redo(GridBricks& grid) {
+std::vector<BrickChange> UndoHistory::redo(GridBricks& grid) {
   if (done_ == entries_.size()) return {};
-  const std::vector<glm::ivec3> bricks = exchange(entries_[done_], grid);
+  const std::vector<BrickChange> changes = exchange(entries_[done_], grid);
   ++done_;
   keep_within_budget();
-  return bricks;
+  return changes;
 }
 
 std::size_t UndoHistory::bytes() const {

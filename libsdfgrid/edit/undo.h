@@ -21,14 +21,17 @@ namespace sdfgrid {
 class UndoRecord {
  public:
   void reserve(std::size_t bricks);  // at most about so many are added
-  // Adds the state of a brick as it is now. Each brick once.
-  void add(const glm::ivec3& brick, const GridBrick& now);
+  // Adds the state of a brick as it is now, and says which of its samples change. Each brick once.
+  void add(const BrickChange& change, const GridBrick& now);
+  // More samples of brick i, in the order of add(), change.
+  void add_samples(std::size_t i, const std::uint64_t (&samples)[kBrickWords]);
   // The same of its paint: GridBricks::paint().
   void add_paint(const glm::ivec3& brick, const std::int32_t* now);
   // Exchanges every brick's state with the grid's.
   void exchange(GridBricks& grid);
 
-  [[nodiscard]] std::vector<glm::ivec3> bricks() const;
+  // Of painted bricks no samples.
+  [[nodiscard]] std::vector<BrickChange> changes() const;
   [[nodiscard]] std::size_t size() const { return states_.size() + painted_.size(); }
   [[nodiscard]] std::size_t bytes() const;  // of memory
 
@@ -38,7 +41,7 @@ class UndoRecord {
 
  private:
   struct State {
-    glm::ivec3 brick;
+    BrickChange change;
     float constant;     // if it has no samples
     std::int32_t slot;  // of its samples, -1 for none
   };
@@ -93,10 +96,10 @@ class UndoHistory {
 
   // A new stroke: what could be redone is gone.
   void push(UndoRecord record);
-  // Exchange the last stroke (the last undone one) with the grid and return its bricks; nothing
+  // Exchange the last stroke (the last undone one) with the grid and return what changed; nothing
   // happens, and nothing is returned, if there is none.
-  std::vector<glm::ivec3> undo(GridBricks& grid);
-  std::vector<glm::ivec3> redo(GridBricks& grid);
+  std::vector<BrickChange> undo(GridBricks& grid);
+  std::vector<BrickChange> redo(GridBricks& grid);
 
   [[nodiscard]] std::size_t undoable() const { return done_; }
   [[nodiscard]] std::size_t redoable() const { return entries_.size() - done_; }
@@ -110,7 +113,7 @@ class UndoHistory {
     std::vector<std::byte> packed;
     std::size_t name = 0;
   };
-  std::vector<glm::ivec3> exchange(Entry& entry, GridBricks& grid);
+  std::vector<BrickChange> exchange(Entry& entry, GridBricks& grid);
   void keep_within_budget();
   bool keep(Entry& entry, bool nearest, std::size_t& full, std::size_t& packed);
   bool spill(Entry& entry);

@@ -27,6 +27,7 @@ struct Atlas {
   static constexpr int kOctants = 8;
   // A jump is no longer, so that an edit changes none further away (grid/live_atlas.h).
   static constexpr int kMostJump = 15;
+  static constexpr int kJumpTables = kOctants / 2;
   static constexpr int kHops = kOctants * kBrick * kBrick;  // words a brick
   static constexpr std::int32_t kOutside = -1;  // in `bricks`: no brick, the field is positive
   static constexpr std::int32_t kInside = -2;   // in `bricks`: no brick, the field is negative
@@ -39,9 +40,10 @@ struct Atlas {
   glm::ivec3 dims{0};  // slots a side; beyond the tables the field is positive everywhere
   std::vector<std::int32_t> bricks;  // a slot, z fastest: >= 0 which brick, else kOutside, kInside
   std::int32_t crossing = 0;         // the bricks before this one are the crossing ones
-  // For each octant a table of slots: the edge of the largest cube of slots that starts there, goes
-  // on in the octant's directions and holds no crossing brick; at most kMostJump, and 0 in such a
-  // brick.
+  // For each octant and slot the edge of the largest cube of slots that starts there, goes on in
+  // the octant's directions and holds no crossing brick; at most kMostJump, and 0 in such a brick.
+  // A table of slots for each pair of octants that differ in z only: the even one in the lower four
+  // bits, so that an edit finds both in one line of memory.
   std::vector<std::uint8_t> jumps;
   std::vector<float> samples;  // kSamples a brick, in voxels, negative inside
   // For each crossing brick and octant the same in cells, as if the brick were alone: 64 words,
@@ -56,6 +58,11 @@ struct Atlas {
   // Of slot, which must be within dims, the place in the two tables.
   [[nodiscard]] std::size_t place(const glm::ivec3& slot) const {
     return (static_cast<std::size_t>(slot.x) * dims.y + slot.y) * dims.z + slot.z;
+  }
+  // The jump of the slot at a place.
+  [[nodiscard]] int jump(int octant, std::size_t place) const {
+    const std::size_t table = static_cast<std::size_t>(octant >> 1) * bricks.size();
+    return jumps[table + place] >> 4 * (octant & 1) & kMostJump;
   }
   // The crossing brick of a slot, or -1.
   [[nodiscard]] std::int32_t crossing_brick(const glm::ivec3& slot) const {

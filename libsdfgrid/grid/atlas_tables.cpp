@@ -10,11 +10,15 @@
 namespace sdfgrid {
 namespace {
 
-// One octant of Atlas::jumps: one more than the smallest of the seven slots ahead.
+// Fills one octant of Atlas::jumps: one more than the smallest of the seven slots ahead. The other
+// octant of the table stays as it is.
 class JumpTable {
  public:
   JumpTable(const Atlas& atlas, int octant, std::uint8_t* jumps)
-      : atlas_(atlas), jumps_(jumps), beyond_(static_cast<std::size_t>(atlas.dims.z), 255) {
+      : atlas_(atlas),
+        jumps_(jumps),
+        shift_(4 * (octant & 1)),
+        beyond_(static_cast<std::size_t>(atlas.dims.z), 255) {
     for (int a = 0; a < 3; ++a) step_[a] = ((octant >> (2 - a)) & 1) != 0 ? -1 : 1;
   }
 
@@ -38,19 +42,23 @@ class JumpTable {
     const std::uint8_t* ahead[3] = {row(x + step_.x, y), row(x, y + step_.y),
                                     row(x + step_.x, y + step_.y)};
     std::uint8_t* out = jumps_ + atlas_.place({x, y, 0});
-    int behind = 255;  // the smallest of the four slots at the previous z
+    int behind = Atlas::kMostJump;  // the smallest of the four slots at the previous z
     for (int k = 0; k < count; ++k) {
       const int z = step_.z > 0 ? count - 1 - k : k;
-      const int beside = std::min({ahead[0][z], ahead[1][z], ahead[2][z]});
+      const auto jump_of = [&](const std::uint8_t* jumps) {
+        return jumps[z] >> shift_ & Atlas::kMostJump;
+      };
+      const int beside = std::min({jump_of(ahead[0]), jump_of(ahead[1]), jump_of(ahead[2])});
       const bool crossing = atlas_.crossing_brick({x, y, z}) >= 0;
       const int jump = crossing ? 0 : std::min(std::min(beside, behind) + 1, Atlas::kMostJump);
-      out[z] = static_cast<std::uint8_t>(jump);
+      out[z] = static_cast<std::uint8_t>((out[z] & ~(Atlas::kMostJump << shift_)) | jump << shift_);
       behind = std::min(beside, jump);
     }
   }
 
   const Atlas& atlas_;
   std::uint8_t* jumps_;
+  int shift_;                         // of the octant's four bits
   std::vector<std::uint8_t> beyond_;  // no crossing bricks there
   glm::ivec3 step_{1};
 };
@@ -72,12 +80,13 @@ BrickRange::BrickRange(const SampleSurvey& survey) : low(survey.low), high(surve
 
 void fill_jumps(Atlas& atlas, const Job& job) {
   const std::size_t slots = atlas.bricks.size();
-  atlas.jumps.reserve(Atlas::kOctants * slots);
+  atlas.jumps.reserve(Atlas::kJumpTables * slots);
   prefer_large_pages(atlas.jumps.data(), atlas.jumps.capacity());
-  atlas.jumps.resize(Atlas::kOctants * slots);
-  parallel_for(Atlas::kOctants, 1, job, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t octant = begin; octant < end; ++octant) {
-      JumpTable(atlas, int(octant), atlas.jumps.data() + octant * slots).fill(job);
+  atlas.jumps.resize(Atlas::kJumpTables * slots);
+  parallel_for(Atlas::kJumpTables, 1, job, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t table = begin; table < end; ++table) {
+      std::uint8_t* jumps = atlas.jumps.data() + table * slots;
+      for (const int of_two : {0, 1}) JumpTable(atlas, int(2 * table) + of_two, jumps).fill(job);
     }
   });
 }

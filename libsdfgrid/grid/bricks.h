@@ -21,6 +21,12 @@ struct GridBrick {
   float constant = 0;               // the value of all samples where `values` is null
 };
 
+// A brick, and which of its samples became others: a superset will do.
+struct BrickChange {
+  glm::ivec3 brick{0};
+  std::uint64_t samples[kBrickWords] = {};
+};
+
 // Looks bricks up, makes and drops them. Pointers stay good until that brick is dropped. One object
 // serves one thread (it remembers the way to the last brick); finding is safe beside other finders,
 // making and dropping is not. Keeps the grid alive.

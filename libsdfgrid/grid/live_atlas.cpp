@@ -18,46 +18,67 @@ constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
 constexpr std::size_t kSamples = Atlas::kSamples;
 constexpr std::size_t kHops = Atlas::kHops;
 
-// Of a row of jumps makes those up to `limit` no longer than their Chebyshev distance, max(least,
-// place). Returns whether any was longer.
+// Of a row of slots, in the direction `step` of z, makes the jumps up to `limit` no longer than
+// their Chebyshev distance, max(least, place). They are those of the octant that looks back.
+// Returns whether any was longer.
 bool shorten_row(std::uint8_t* row, int step, int limit, int least) {
   constexpr int kRow = Atlas::kMostJump + 1;
   using Bytes [[gnu::vector_size(kRow)]] = std::uint8_t;
   static_assert(kRow == 16, "a row is one vector");
+  const int shift = step > 0 ? 4 : 0;
   if (limit == Atlas::kMostJump) {
     constexpr Bytes kUp = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
     constexpr Bytes kDown = {15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0};
     std::uint8_t* first = step > 0 ? row : row - Atlas::kMostJump;
     const Bytes place = step > 0 ? kUp : kDown;
     const Bytes floor = Bytes{} + static_cast<std::uint8_t>(least);
-    const Bytes most = place > floor ? place : floor;
-    Bytes jumps;
-    std::memcpy(&jumps, first, sizeof jumps);
-    const auto longer = (Bytes)(jumps > most);
+    const Bytes most = (place > floor ? place : floor) << shift;
+    const Bytes own = Bytes{} + static_cast<std::uint8_t>(Atlas::kMostJump << shift);
+    Bytes both;
+    std::memcpy(&both, first, sizeof both);
+    const auto longer = (Bytes)((both & own) > most);
     std::uint64_t words[2];
     std::memcpy(words, &longer, sizeof words);
     if ((words[0] | words[1]) == 0) return false;
-    jumps = longer ? most : jumps;
-    std::memcpy(first, &jumps, sizeof jumps);
+    both = longer ? (both & ~own) | most : both;
+    std::memcpy(first, &both, sizeof both);
     return true;
   }
   bool any = false;
   for (int z = 0; z <= limit; ++z) {
-    std::uint8_t& jump = row[z * step];
+    std::uint8_t& both = row[z * step];
+    const int jump = both >> shift & Atlas::kMostJump;
     const int most = std::max(least, z);
-    any = any || jump > most;
-    jump = static_cast<std::uint8_t>(std::min<int>(jump, most));
+    if (jump <= most) continue;
+    any = true;
+    both = static_cast<std::uint8_t>((both & ~(Atlas::kMostJump << shift)) | most << shift);
   }
   return any;
 }
 
-// The samples of a leaf that are part n of a brick, as the words of a set.
-std::uint64_t part_of_word(int part, int x) {
-  if ((part & 4) != 0 && x != 0) return 0;
-  std::uint64_t word = ~std::uint64_t{0};
-  if ((part & 2) != 0) word &= 0xff;
-  if ((part & 1) != 0) word &= 0x0101010101010101U;
-  return word;
+// The parts of bricks (copy_part() in atlas_tables.h) that have samples of the set, a bit each.
+unsigned parts_with(const std::uint64_t (&samples)[kBrickWords]) {
+  constexpr std::uint64_t kFirstRow = 0xff;                    // y = 0
+  constexpr std::uint64_t kFirstOfRows = 0x0101010101010101U;  // z = 0
+  std::uint64_t all = 0;
+  for (const std::uint64_t word : samples) all |= word;
+  unsigned parts = 0;
+  for (unsigned n = 0; n < 8; ++n) {
+    std::uint64_t set = (n & 4) != 0 ? samples[0] : all;
+    if ((n & 2) != 0) set &= kFirstRow;
+    if ((n & 1) != 0) set &= kFirstOfRows;
+    if (set != 0) parts |= 1U << n;
+  }
+  return parts;
+}
+
+// The parts that a brick has negative samples in (positive ones, if not `negative`).
+unsigned parts_on_side(const GridBrick& brick, bool negative) {
+  if (brick.values == nullptr) return (brick.constant < 0) == negative ? 0xff : 0;
+  std::uint64_t samples[kBrickWords];
+  atlas_kernel().negatives(brick.values, samples);
+  for (std::uint64_t& word : samples) word = negative ? word : ~word;
+  return parts_with(samples);
 }
 
 void fetch_lines(const void* begin, std::size_t bytes) {
@@ -88,8 +109,8 @@ bool LiveAtlas::within(const glm::ivec3& slot) const {
          slot.y < atlas_.dims.y && slot.z < atlas_.dims.z;
 }
 
-void LiveAtlas::refresh(std::span<const glm::ivec3> changed, const Job& job) {
-  if (!collect(changed)) {
+void LiveAtlas::refresh(std::span<const BrickChange> changes, const Job& job) {
+  if (!collect(changes)) {
     atlas_ = make_atlas(grid_, job);
     return adopt();
   }
@@ -109,29 +130,25 @@ void LiveAtlas::refresh(std::span<const glm::ivec3> changed, const Job& job) {
   for (const glm::ivec3& slot : vanished_) lengthen_jumps(slot);
 }
 
-// Finds the bricks and the slots that have samples of them. Returns whether all slots that are
-// needed exist.
-bool LiveAtlas::collect(std::span<const glm::ivec3> changed) {
+// Finds the slots that have samples of these. Returns whether all slots that are needed exist.
+bool LiveAtlas::collect(std::span<const BrickChange> changes) {
   sources_.clear();
   targets_.clear();
-  found_.assign(std::bit_ceil(16 * changed.size() + 1), -1);
-  for (const glm::ivec3& brick : changed) {
+  found_.assign(std::bit_ceil(16 * changes.size() + 1), -1);
+  for (const BrickChange& change : changes) {
+    const unsigned parts = parts_with(change.samples);
+    if (parts == 0) continue;
     const auto source = static_cast<std::int32_t>(sources_.size());
-    sources_.push_back({bricks_.find(brick), {}});
+    sources_.push_back(bricks_.find(change.brick));
     for (int n = 0; n < 8; ++n) {
-      const glm::ivec3 slot = brick - atlas_.lo - glm::ivec3(n >> 2, n >> 1 & 1, n & 1);
+      if ((parts >> n & 1) == 0) continue;
+      const glm::ivec3 slot = change.brick - atlas_.lo - glm::ivec3(n >> 2, n >> 1 & 1, n & 1);
       if (within(slot)) {
         target_at(slot).from[n] = source;
-      } else if (bricks_.find(slot + atlas_.lo).values != nullptr) {
+      } else if (bricks_.find(slot + atlas_.lo).values != nullptr ||
+                 (parts_on_side(sources_.back(), true) >> n & 1) != 0) {
         return false;
       }
-    }
-  }
-  for (Source& source : sources_) {
-    if (source.now.values != nullptr) {
-      atlas_kernel().negatives(source.now.values, source.negative);
-    } else if (source.now.constant < 0) {
-      std::fill(std::begin(source.negative), std::end(source.negative), ~std::uint64_t{0});
     }
   }
   return true;
@@ -167,11 +184,8 @@ void LiveAtlas::fetch(std::int32_t brick) const {
 bool LiveAtlas::is_reached(const Target& target, bool inside) const {
   for (int n = 1; n < 8; ++n) {
     if (target.from[n] < 0) continue;
-    const Source& source = sources_[std::size_t(target.from[n])];
-    for (int x = 0; x < kBrickWords; ++x) {
-      const std::uint64_t negative = source.negative[x];
-      if (((inside ? ~negative : negative) & part_of_word(n, x)) != 0) return true;
-    }
+    const GridBrick& source = sources_[std::size_t(target.from[n])];
+    if ((parts_on_side(source, !inside) >> n & 1) != 0) return true;
   }
   return false;
 }
@@ -179,7 +193,7 @@ bool LiveAtlas::is_reached(const Target& target, bool inside) const {
 // The brick of the grid that part n of a slot lies in.
 GridBrick LiveAtlas::part(const Target& target, int n) const {
   const std::int32_t from = target.from[n];
-  if (from >= 0) return sources_[std::size_t(from)].now;
+  if (from >= 0) return sources_[std::size_t(from)];
   return bricks_.find(atlas_.lo + target.slot + glm::ivec3(n >> 2, n >> 1 & 1, n & 1));
 }
 
@@ -277,9 +291,9 @@ void LiveAtlas::move_brick(std::int32_t from, std::int32_t to) {
 
 // Asks for what shorten_jumps() reads in any case.
 void LiveAtlas::fetch_jumps(const glm::ivec3& slot) const {
-  for (int octant = 0; octant < Atlas::kOctants; ++octant) {
-    const std::uint8_t* jumps = atlas_.jumps.data() + std::size_t(octant) * atlas_.bricks.size();
-    const glm::ivec3 step((octant & 4) != 0 ? 1 : -1, (octant & 2) != 0 ? 1 : -1, 0);
+  for (int table = 0; table < Atlas::kJumpTables; ++table) {
+    const std::uint8_t* jumps = atlas_.jumps.data() + std::size_t(table) * atlas_.bricks.size();
+    const glm::ivec3 step((table & 2) != 0 ? 1 : -1, (table & 1) != 0 ? 1 : -1, 0);
     for (int n = 0; n < 4; ++n) {
       const glm::ivec3 behind = slot + step * glm::ivec3(n >> 1, n & 1, 0);
       if (within(behind)) __builtin_prefetch(jumps + atlas_.place(behind), 1);
@@ -289,32 +303,40 @@ void LiveAtlas::fetch_jumps(const glm::ivec3& slot) const {
 
 // A crossing brick appeared: no cube of the slots behind it may reach it.
 void LiveAtlas::shorten_jumps(const glm::ivec3& slot) {
+  for (int table = 0; table < Atlas::kJumpTables; ++table) shorten_jumps(slot, table);
+}
+
+// The cube of a slot holds that of its successor towards the new brick, but for one layer. So where
+// one is too long, that of its successor was: a plane is looked at as far as the plane before it
+// was shortened, and one row further.
+void LiveAtlas::shorten_jumps(const glm::ivec3& slot, int table) {
   const auto plane = static_cast<std::ptrdiff_t>(atlas_.dims.y) * atlas_.dims.z;
-  for (int octant = 0; octant < Atlas::kOctants; ++octant) {
-    std::uint8_t* jumps = atlas_.jumps.data() + std::size_t(octant) * atlas_.bricks.size();
-    glm::ivec3 step(1);   // to the next slot behind
-    glm::ivec3 count(0);  // of slots behind
-    for (int a = 0; a < 3; ++a) {
-      const bool down = (octant >> (2 - a) & 1) != 0;
-      step[a] = down ? 1 : -1;
-      count[a] = std::min(down ? atlas_.dims[a] - 1 - slot[a] : slot[a], Atlas::kMostJump);
-    }
-    // The cube of a slot holds that of its successor towards the new brick, but for one layer. So
-    // where one is too long, that of its successor was: a plane is looked at as far as the plane
-    // before it was shortened, and one row further.
-    int rows = count.y + 1;  // that may need it
-    for (int x = 0; x <= count.x && rows > 0; ++x) {
-      int shortened = 0;
-      for (int y = 0; y < rows; ++y) {
-        std::uint8_t* row = jumps + atlas_.place(slot + glm::ivec3(x * step.x, y * step.y, 0));
-        if (x < count.x) __builtin_prefetch(row + step.x * plane, 1);
-        if (shorten_row(row, step.z, count.z, std::max(x, y))) {
-          shortened = y + 1;
+  std::uint8_t* jumps = atlas_.jumps.data() + std::size_t(table) * atlas_.bricks.size();
+  const glm::ivec3 step((table & 2) != 0 ? 1 : -1, (table & 1) != 0 ? 1 : -1, 0);
+  const auto slots_behind = [&](int a, bool up) {
+    return std::min(up ? atlas_.dims[a] - 1 - slot[a] : slot[a], Atlas::kMostJump);
+  };
+  const int count_x = slots_behind(0, step.x > 0);
+  const int count_y = slots_behind(1, step.y > 0);
+  // Of the two octants, one behind the other in z.
+  const int count_z[2] = {slots_behind(2, false), slots_behind(2, true)};
+  int rows[2] = {count_y + 1, count_y + 1};  // that may need it
+  for (int x = 0; x <= count_x && std::max(rows[0], rows[1]) > 0; ++x) {
+    int shortened[2] = {0, 0};
+    for (int y = 0; y < std::max(rows[0], rows[1]); ++y) {
+      std::uint8_t* row = jumps + atlas_.place(slot + glm::ivec3(x * step.x, y * step.y, 0));
+      if (x < count_x) __builtin_prefetch(row + step.x * plane, 1);
+      for (int up = 0; up < 2; ++up) {
+        if (y >= rows[up]) continue;
+        if (shorten_row(row, up != 0 ? 1 : -1, count_z[up], std::max(x, y))) {
+          shortened[up] = y + 1;
         } else if (x == 0) {
-          break;
+          rows[up] = y;
         }
       }
-      rows = std::min(shortened == 0 ? 0 : shortened + 1, count.y + 1);
+    }
+    for (int up = 0; up < 2; ++up) {
+      rows[up] = std::min(shortened[up] == 0 ? 0 : shortened[up] + 1, count_y + 1);
     }
   }
 }
@@ -322,17 +344,22 @@ void LiveAtlas::shorten_jumps(const glm::ivec3& slot) {
 // A crossing brick disappeared. Its own jumps may grow; those behind it stay as they are, which is
 // safe.
 void LiveAtlas::lengthen_jumps(const glm::ivec3& slot) {
+  std::array<int, Atlas::kOctants> least;
   for (int octant = 0; octant < Atlas::kOctants; ++octant) {
-    std::uint8_t* jumps = atlas_.jumps.data() + std::size_t(octant) * atlas_.bricks.size();
-    int least = Atlas::kMostJump;
+    least[octant] = Atlas::kMostJump - 1;
     for (int n = 1; n < 8; ++n) {
       glm::ivec3 ahead = slot;
       for (int a = 0; a < 3; ++a) {
         if ((n >> (2 - a) & 1) != 0) ahead[a] += (octant >> (2 - a) & 1) != 0 ? -1 : 1;
       }
-      if (within(ahead)) least = std::min<int>(least, jumps[atlas_.place(ahead)]);
+      if (within(ahead))
+        least[octant] = std::min(least[octant], atlas_.jump(octant, atlas_.place(ahead)));
     }
-    jumps[atlas_.place(slot)] = static_cast<std::uint8_t>(std::min(least + 1, Atlas::kMostJump));
+  }
+  for (int table = 0; table < Atlas::kJumpTables; ++table) {
+    const int both = (least[2 * table] + 1) | (least[2 * table + 1] + 1) << 4;
+    atlas_.jumps[std::size_t(table) * atlas_.bricks.size() + atlas_.place(slot)] =
+        static_cast<std::uint8_t>(both);
   }
 }
 

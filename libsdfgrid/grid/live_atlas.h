@@ -22,22 +22,16 @@ class LiveAtlas {
 
   [[nodiscard]] const Atlas& atlas() const { return atlas_; }
 
-  // Makes the atlas say of these bricks (index >> 3) and of the cells beside them what the grid
-  // says now. Its field is then that of make_atlas(), and so are its crossing cells but for the
-  // margin, which is that of the steepest brick so far; the order of its bricks is not, and jumps
-  // may be shorter than they could be. Costs what the bricks cost, except
-  // where the grid grew beyond the tables: then all is made anew. Not safe beside readers of the
-  // atlas.
-  void refresh(std::span<const glm::ivec3> changed, const Job& job);
+  // Makes the atlas say of these samples and of the cells beside them what the grid says now. Its
+  // field is then that of make_atlas(), and so are its crossing cells but for the margin, which is
+  // that of the steepest brick so far; the order of its bricks is not, and jumps may be shorter
+  // than they could be. Costs what the bricks cost, except where the grid grew beyond the tables:
+  // then all is made anew. Not safe beside readers of the atlas.
+  void refresh(std::span<const BrickChange> changes, const Job& job);
 
  private:
-  // A brick that changed, as it is now.
-  struct Source {
-    GridBrick now;
-    std::uint64_t negative[kBrickWords];  // which samples are
-  };
-  // A slot that shares samples with some of those: for each part of it (copy_part() in
-  // atlas_tables.h) which, or -1.
+  // A slot that has samples which changed: for each part of it (copy_part() in atlas_tables.h)
+  // which of the changed bricks they are in, or -1.
   struct Target {
     glm::ivec3 slot;
     std::size_t place;
@@ -46,7 +40,7 @@ class LiveAtlas {
 
   void adopt();
   [[nodiscard]] bool within(const glm::ivec3& slot) const;
-  bool collect(std::span<const glm::ivec3> changed);
+  bool collect(std::span<const BrickChange> changes);
   Target& target_at(const glm::ivec3& slot);
   void fetch(std::int32_t brick) const;
   void fetch_jumps(const glm::ivec3& slot) const;
@@ -57,6 +51,7 @@ class LiveAtlas {
   void free_brick(std::size_t place);
   void move_brick(std::int32_t from, std::int32_t to);
   void shorten_jumps(const glm::ivec3& slot);
+  void shorten_jumps(const glm::ivec3& slot, int table);
   void lengthen_jumps(const glm::ivec3& slot);
 
   Grid grid_;
@@ -66,7 +61,7 @@ class LiveAtlas {
   std::vector<std::int32_t> free_crossing_;  // free bricks before atlas_.crossing
   std::vector<std::int32_t> free_other_;     // and after
   // Of the refresh that runs; kept for their memory.
-  std::vector<Source> sources_;
+  std::vector<GridBrick> sources_;  // the bricks that changed, as they are now
   std::vector<Target> targets_;
   std::vector<std::int32_t> found_;   // hash table of targets_ by their places, -1 for free
   std::vector<glm::ivec3> appeared_;  // slots that are crossing now

@@ -68,7 +68,7 @@ class EmptyCubes {
       const double rear = back_[a] ? upper(beam_, a).place(t) : -lower(beam_, a).place(t);
       slot[a] = static_cast<int>(std::clamp(std::floor(rear / kBrick), 0.0, atlas_.dims[a] - 1.0));
     }
-    const int jump = atlas_.jumps[octant_ * atlas_.bricks.size() + atlas_.place(slot)];
+    const int jump = atlas_.jump(octant_, atlas_.place(slot));
     if (jump == 0) return t;
     double exit = kInfinity;
     for (int a = 0; a < 3; ++a) {
@@ -84,7 +84,7 @@ class EmptyCubes {
   const Atlas& atlas_;
   const Beam& beam_;
   bool back_[3]{};
-  std::size_t octant_ = 0;
+  int octant_ = 0;
 };
 
 }  // namespace

@@ -25,7 +25,7 @@ namespace sdfgrid {
 
 struct PacketScene {
   const std::int32_t* bricks;
-  const std::uint8_t* jumps;
+  const std::uint8_t* jumps;  // as in Atlas
   const std::uint32_t* hops;
   const float* samples;
   std::int32_t dims[3];  // slots

@@ -40,7 +40,8 @@ inline Ahead look_ahead(const PacketScene& scene, const Rays& rays, const I16 (&
   }
   const std::int32_t plane = scene.dims[1] * scene.dims[2];
   const I16 place = wanted & (slot[0] * plane + slot[1] * scene.dims[2] + slot[2]);
-  const I16 jump = gather_byte(scene.jumps, place + rays.octant * (scene.dims[0] * plane));
+  const I16 jumps = gather_byte(scene.jumps, place + (rays.octant >> 1) * (scene.dims[0] * plane));
+  const I16 jump = jumps >> ((rays.octant & 1) << 2) & 15;
   ahead.in_brick = wanted & (jump == 0);
   ahead.brick = ahead.in_brick & gather(scene.bricks, place);
   const I16 row = (((ahead.brick << 3) + rays.octant) << 6) + (ahead.along[0] << 3);

@@ -101,13 +101,13 @@ Walk walk_ray(const Atlas& atlas, const Ray& world, double from, double to) {
   glm::ivec3 cell = glm::clamp(glm::ivec3(glm::floor(ray.at(from))), lo, hi - 1);
   // Beyond the tables all is outside.
   const bool inside = from <= start && value_at(atlas, ray.real(ray.at(from))) < 0;
-  const std::uint8_t* jumps = atlas.jumps.data() + std::size_t(ray.octant) * atlas.bricks.size();
   for (double t = from; t < to && before(cell, hi);) {
     ++walk.steps;
     const glm::ivec3 real = ray.real(cell);
     const std::size_t place = atlas.place(real >> 3);
-    if (jumps[place] > 0) {
-      t = leave(ray, (cell & ~7) + kBrick * jumps[place], cell);
+    const int jump = atlas.jump(ray.octant, place);
+    if (jump > 0) {
+      t = leave(ray, (cell & ~7) + kBrick * jump, cell);
       continue;
     }
     const std::int32_t brick = atlas.bricks[place];

@@ -47,16 +47,17 @@ void expect_same(const LiveAtlas& live, const Grid& grid, const std::string& whe
     }
   }
   // No jump is longer than it may be: the cubes of the new atlas are the largest that are empty.
-  for (std::size_t i = 0; i < fresh.jumps.size(); ++i) {
-    const std::size_t slots = fresh.bricks.size();
-    const auto place = static_cast<int>(i % slots);
-    const glm::ivec3 slot(place / (fresh.dims.y * fresh.dims.z),
-                          place / fresh.dims.z % fresh.dims.y, place % fresh.dims.z);
+  for (std::size_t place = 0; place < fresh.bricks.size(); ++place) {
+    const auto n = static_cast<int>(place);
+    const glm::ivec3 slot(n / (fresh.dims.y * fresh.dims.z), n / fresh.dims.z % fresh.dims.y,
+                          n % fresh.dims.z);
     const glm::ivec3 own = slot + fresh.lo - a.lo;
     const bool within =
         glm::all(glm::greaterThanEqual(own, glm::ivec3(0))) && glm::all(glm::lessThan(own, a.dims));
     if (!within) continue;
-    ASSERT_LE(a.jumps[i / slots * a.bricks.size() + a.place(own)], fresh.jumps[i]) << when;
+    for (int octant = 0; octant < Atlas::kOctants; ++octant) {
+      ASSERT_LE(a.jump(octant, a.place(own)), fresh.jump(octant, place)) << when;
+    }
   }
   expect_safe_hops(a, when);
   // The same hits, whatever the tables say of the way there.
@@ -104,6 +105,21 @@ TEST(LiveAtlas, FollowsStrokesUndoAndRedo) {
   }
 }
 
+std::vector<float> samples_of(const GridBricks& bricks, const glm::ivec3& brick) {
+  const GridBrick now = bricks.find(brick);
+  if (now.values == nullptr) return std::vector<float>(kBrickSamples, now.constant);
+  return {now.values, now.values + kBrickSamples};
+}
+
+// Those samples and no others, so that what is missed beside them shows.
+void mark_changed(const std::vector<float>& before, const std::vector<float>& after,
+                  BrickChange& change) {
+  for (int i = 0; i < kBrickSamples; ++i) {
+    const bool changed = before[std::size_t(i)] != after[std::size_t(i)];
+    change.samples[i >> 6] |= std::uint64_t{changed} << (i & 63);
+  }
+}
+
 // Bricks written at random, so that the field changes sign in slots without a leaf, too: between
 // leaves, constants and each other, as the caps of holes do.
 TEST(LiveAtlas, FollowsSamplesThatReachSlotsWithoutALeaf) {
@@ -115,13 +131,16 @@ TEST(LiveAtlas, FollowsSamplesThatReachSlotsWithoutALeaf) {
   const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
   int without_leaf = 0;
   for (int i = 0; i < 60; ++i) {
-    std::vector<glm::ivec3> changed;
+    std::vector<BrickChange> changes;
     for (int n = 0; n <= below(3); ++n) {
-      const glm::ivec3 brick(below(4) - 2, below(4) - 2, below(4) - 2);
-      if (std::find(changed.begin(), changed.end(), brick) != changed.end()) continue;
-      changed.push_back(brick);
+      const glm::ivec3 brick(below(6) - 3, below(6) - 3, below(6) - 3);
+      const auto same = [&](const BrickChange& change) { return change.brick == brick; };
+      if (std::any_of(changes.begin(), changes.end(), same)) continue;
+      const std::vector<float> before = samples_of(bricks, brick);
+      changes.push_back({brick, {}});
       if (below(3) == 0) {
         bricks.drop(brick, below(2) == 0 ? limits.inside : limits.outside);
+        mark_changed(before, samples_of(bricks, brick), changes.back());
         continue;
       }
       const GridBrick now = bricks.make_unset(brick);
@@ -131,9 +150,10 @@ TEST(LiveAtlas, FollowsSamplesThatReachSlotsWithoutALeaf) {
       // One sample on the other side, at a face, an edge, a corner or in the middle.
       const auto place = [&] { return below(2) == 0 ? 0 : below(8); };
       now.values[(place() * 8 + place()) * 8 + place()] = -0.5F * all;
+      mark_changed(before, samples_of(bricks, brick), changes.back());
     }
     bricks.finish();
-    live.refresh(changed, Job());
+    live.refresh(changes, Job());
     const Atlas& a = live.atlas();
     for (std::size_t at = 0; at < a.bricks.size(); ++at) {
       const glm::ivec3 slot(int(at) / (a.dims.y * a.dims.z), int(at) / a.dims.z % a.dims.y,

@@ -88,11 +88,11 @@ TEST_P(AtlasTest, ListsEveryCellWhereTheSignChanges) {
 TEST_P(AtlasTest, JumpsAreTheLargestEmptyCubes) {
   const auto crossing = [&](const glm::ivec3& slot) { return atlas_.crossing_brick(slot) >= 0; };
   const std::size_t slots = atlas_.bricks.size();
-  ASSERT_EQ(atlas_.jumps.size(), slots * Atlas::kOctants);
+  ASSERT_EQ(atlas_.jumps.size(), slots * Atlas::kJumpTables);
   for (int octant = 0; octant < Atlas::kOctants; ++octant) {
     for_each(glm::ivec3(0), atlas_.dims, [&](const glm::ivec3& slot) {
       const int edge = empty_edge(slot, octant, atlas_.dims, Atlas::kMostJump, crossing);
-      ASSERT_EQ(atlas_.jumps[octant * slots + atlas_.place(slot)], edge)
+      ASSERT_EQ(atlas_.jump(octant, atlas_.place(slot)), edge)
           << named_.name << ", octant " << octant;
     });
   }
