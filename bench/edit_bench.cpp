@@ -6,7 +6,9 @@
 //   edit_bench MESH [--dims=512,1024] [--dabs=60]
 //
 // A dab is a ball of radius 10 voxels at a point of the surface. OpenVDB's time includes the making
-// of the ball's level set; ours the refreshing of the atlas that rays are traced in.
+// of the ball's level set; ours the refreshing of the atlas that rays are traced in. Dabs are taken
+// at places far from each other, ours and OpenVDB's by turns, so that each finds its memory and its
+// code out of the caches; and along paths, as a hand makes them, each program by itself.
 #include <fmt/format.h>
 #include <openvdb/tools/Composite.h>
 #include <openvdb/tools/LevelSetSphere.h>
@@ -15,6 +17,7 @@
 #include <chrono>
 #include <ctime>
 #include <glm/geometric.hpp>
+#include <numeric>
 #include <random>
 #include <sstream>
 #include <string>
@@ -35,6 +38,10 @@ double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
                    values.end());
   return values[values.size() / 2];
+}
+
+double sum(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
 // Of CPU time: of all threads, or (CLOCK_THREAD_CPUTIME_ID) of the one that calls.
@@ -153,6 +160,43 @@ std::vector<PathPoint> walk(const TriangleSoup& soup, std::size_t start, double 
   return path;
 }
 
+// Dabs 5 voxels apart, one path after the other, from the same model; all are left standing.
+void measure_paths(const Grid& grid, const TriangleSoup& soup, int dim, int dabs) {
+  const ThreadLimit one(1);
+  const double voxel = grid.lattice().voxel;
+  constexpr int kOfPath = 60;
+  for (const StrokeOp op : {StrokeOp::unite, StrokeOp::subtract}) {
+    std::mt19937 random(7);
+    std::vector<PathPoint> points;
+    while (static_cast<int>(points.size()) < dabs) {
+      const auto path = walk(soup, random() % soup.points.size(), 5 * voxel, kOfPath);
+      points.insert(points.end(), path.begin(), path.end());
+    }
+    SculptOptions off;
+    off.redistance = Redistance::off;
+    Sculptor sculptor(grid.clone(), off);
+    LiveAtlas atlas(sculptor.grid(), Job());
+    std::vector<double> ours;
+    for (const PathPoint& point : points) {
+      const Stroke stroke = dab(op, point.at, 10 * voxel);
+      ours.push_back(milliseconds([&] {
+        (void)sculptor.apply(stroke, Job());
+        atlas.refresh(sculptor.touched(), Job());
+      }));
+    }
+    const Grid peer = grid.clone();
+    std::vector<double> theirs;
+    for (const PathPoint& point : points) {
+      theirs.push_back(milliseconds([&] { openvdb_dab(*vdb(peer), op, point.at, 10 * voxel); }));
+    }
+    fmt::print(
+        "  dim {:5} {:10} along paths: OpenVDB {:.3f} ms; edit and atlas {:.4f} ms, ratio of "
+        "the medians {:.1f}, of the sums {:.1f}\n",
+        dim, stroke_op_word(op), median(theirs), median(ours), median(theirs) / median(ours),
+        sum(theirs) / sum(ours));
+  }
+}
+
 void measure_strokes(const Grid& grid, const TriangleSoup& soup, int dim) {
   const double voxel = grid.lattice().voxel;
   Sculptor sculptor(grid.clone());
@@ -234,6 +278,7 @@ int main(int count, char** words) {
     options.dim = dim;
     const Grid grid = convert_mesh(soup, options, Job()).grid;
     bench::measure_dabs(grid, soup, dim, dabs);
+    bench::measure_paths(grid, soup, dim, 3 * dabs);
     bench::measure_strokes(grid, soup, dim);
   }
   return 0;

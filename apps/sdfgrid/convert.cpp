@@ -133,14 +133,9 @@ ConvertOptions convert_options(const Options& options, const Surface& surface) {
   return convert;
 }
 
-bool names_dense(const std::string& path) {
-  const auto& dense = volume_extensions();
-  return std::find(dense.begin(), dense.end(), extension_of(path)) != dense.end();
-}
-
 // Whether the output can hold voxels of that size; call it before any work.
 void check_voxel(const Options& options, double voxel) {
-  if (!names_dense(options.output.path)) check_storable(voxel);
+  if (!has_extension(options.output.path, volume_extensions())) check_storable(voxel);
 }
 
 void report_seconds(const Surface& surface, const Conversion& conversion, Json seconds,
@@ -193,7 +188,7 @@ void save(Made& made, const Options& options, Context& context) {
   const std::string& path = options.output.path;
   context.job().report("write", 0.0);
   context.job().checkpoint();
-  if (names_dense(path)) return save_densely(made, path, context);
+  if (has_extension(path, volume_extensions())) return save_densely(made, path, context);
   if (made.dense) {
     made.grid = to_grid(*made.dense, band_of(options).exwidth * made.dense->spacing.x);
     made.dense.reset();

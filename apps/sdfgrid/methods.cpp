@@ -67,11 +67,6 @@ TransformOptions TransformChoice::options_for(const std::vector<std::string>& me
   }
   if (bucket && !any_buckets) refuse_for(methods, "--bucket", &TransformMethodInfo::buckets);
   if (!mask.empty() && !any_steps) refuse_for(methods, "--mask", &TransformMethodInfo::steps);
-  constexpr double kLeastBucket = 1e-4;  // below, the empty ones take more than the heap
-  if (bucket && *bucket > 0 && *bucket < kLeastBucket) {
-    throw Error(ErrorKind::usage,
-                fmt::format("--bucket must be 0 (a heap), or {} to 16", kLeastBucket));
-  }
   if (bucket) options.bucket_width = *bucket;
   if (!mask.empty()) options.steps = read_chamfer_steps(mask);
   return options;
@@ -83,7 +78,7 @@ void add_transform_choice(CLI::App& app, TransformChoice& choice) {
          fmt::format("width of the buckets of the marching methods, voxels, {} if not given; "
                      "0: a binary heap",
                      TransformOptions().bucket_width))
-      ->check(CLI::Range(0.0, 16.0) & finite_number());
+      ->check(CLI::Range(0.0, kMostBucket) & finite_number());
   app.add_option("--mask", choice.mask,
                  "the steps of the method chamfer: a file of lines `x y z length`, in voxels, "
                  "x >= y >= z, each for all its permutations and signs")

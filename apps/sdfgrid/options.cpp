@@ -28,9 +28,7 @@ void check_output(const Output& output) {
   const auto refuse = [&](const std::string& problem) {
     throw Error(ErrorKind::usage, output.path + ": " + problem);
   };
-  const std::string extension = extension_of(output.path);
-  if (std::find(output.extensions.begin(), output.extensions.end(), extension) ==
-      output.extensions.end()) {
+  if (!has_extension(output.path, output.extensions)) {
     refuse("the output must be named " + one_of(output.extensions));
   }
   const fs::path target(follow_links(output.path));
@@ -68,6 +66,10 @@ std::string extension_of(const std::string& path) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return extension;
+}
+
+bool has_extension(const std::string& path, const std::vector<std::string>& extensions) {
+  return std::find(extensions.begin(), extensions.end(), extension_of(path)) != extensions.end();
 }
 
 std::string one_of(const std::vector<std::string>& words) {

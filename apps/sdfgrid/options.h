@@ -31,6 +31,10 @@ void check_output(const Output& output);
 // The extension of a path in lower case with its dot: "bunny.VDB" -> ".vdb".
 [[nodiscard]] std::string extension_of(const std::string& path);
 
+// Whether a path has one of some extensions.
+[[nodiscard]] bool has_extension(const std::string& path,
+                                 const std::vector<std::string>& extensions);
+
 // "a, b or c".
 [[nodiscard]] std::string one_of(const std::vector<std::string>& words);
 

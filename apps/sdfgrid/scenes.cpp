@@ -13,8 +13,7 @@ void add_scene_options(CLI::App& app, double& time) {
 }
 
 bool names_scene(const std::string& path) {
-  const auto& known = scene_extensions();
-  return std::find(known.begin(), known.end(), extension_of(path)) != known.end();
+  return has_extension(path, scene_extensions());
 }
 
 SceneModel load_scene(const std::string& path, double time, Context& context) {

@@ -135,8 +135,7 @@ void check_shape(const Options& options, const Volume& volume) {
 }
 
 bool writes_grid(const Options& options) {
-  const auto& grids = grid_extensions();
-  return std::find(grids.begin(), grids.end(), extension_of(options.output.path)) != grids.end();
+  return has_extension(options.output.path, grid_extensions());
 }
 
 // Samples without any surface are infinitely far, which an array can hold; a grid's background, the

@@ -32,15 +32,14 @@ void take_least(F16 squared, I16 which, NearPoints& out) {
   }
 }
 
-void nearest(const float* x, const float* y, const float* z, std::int32_t count, const float p[3],
-             NearPoints& out) {
+void nearest(const Positions& points, const float p[3], NearPoints& out) {
   F16 best = splat(3e38F);
   I16 which = splat(0);
   I16 index = load(kLane);
-  for (std::int32_t i = 0; i < count; i += kLanes) {
-    const F16 dx = load(x + i) - p[0];
-    const F16 dy = load(y + i) - p[1];
-    const F16 dz = load(z + i) - p[2];
+  for (std::int32_t i = 0; i < points.count; i += kLanes) {
+    const F16 dx = load(points.x + i) - p[0];
+    const F16 dy = load(points.y + i) - p[1];
+    const F16 dz = load(points.z + i) - p[2];
     const F16 squared = dx * dx + dy * dy + dz * dz;
     const I16 nearer = squared < best;
     best = select(nearer, squared, best);

@@ -35,10 +35,9 @@ struct NearestKernel {
   // long; there are fifteen floats more behind the samples.
   void (*signs)(const BlockSamples& block, std::uint64_t* rows);
 
-  // Of `count` points, a multiple of 16 above 0, the nearest to `p`, and three more that are
-  // nearest within their class of indices modulo 16.
-  void (*nearest)(const float* x, const float* y, const float* z, std::int32_t count,
-                  const float p[3], NearPoints& out);
+  // Of points, at least 16, the nearest to `p`, and three more that are nearest within their class
+  // of indices modulo 16.
+  void (*nearest)(const Positions& points, const float p[3], NearPoints& out);
 
   // Whether the surface is where a sample's value says: there, against the gradient from the
   // sample, the field is zero but for `tolerance` voxels, and half a voxel further on it has the

@@ -1,6 +1,7 @@
 #include "sdfgrid/edit/redistance.h"
 
 #include <algorithm>
+#include <cassert>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -27,13 +28,14 @@ class Points {
   // So many may be added now.
   void make_room(std::int32_t count) {
     const std::size_t needed = static_cast<std::size_t>(size_) + count + 16;
-    if (x.size() >= needed) return;
-    for (std::vector<float>* c : {&x, &y, &z}) c->resize(2 * needed);
+    if (x_.size() >= needed) return;
+    for (std::vector<float>* c : {&x_, &y_, &z_}) c->resize(2 * needed);
   }
   void add(const glm::vec3& p) {
-    x[size_] = p.x;
-    y[size_] = p.y;
-    z[size_] = p.z;
+    assert(static_cast<std::size_t>(size_) < x_.size());
+    x_[size_] = p.x;
+    y_[size_] = p.y;
+    z_[size_] = p.z;
     ++size_;
   }
   void pad(const glm::vec3& with) {
@@ -41,12 +43,11 @@ class Points {
     while (size_ % 16 != 0) add(with);
   }
   [[nodiscard]] std::int32_t size() const { return size_; }
-  [[nodiscard]] glm::vec3 operator[](std::int32_t i) const { return {x[i], y[i], z[i]}; }
-
-  std::vector<float> x, y, z;  // the first size() of them
-  [[nodiscard]] Positions positions() const { return {x.data(), y.data(), z.data(), size_}; }
+  [[nodiscard]] glm::vec3 operator[](std::int32_t i) const { return {x_[i], y_[i], z_[i]}; }
+  [[nodiscard]] Positions positions() const { return {x_.data(), y_.data(), z_.data(), size_}; }
 
  private:
+  std::vector<float> x_, y_, z_;  // the first size_ of them
   std::int32_t size_ = 0;
 };
 
@@ -159,8 +160,7 @@ void Redistancer::measure() {
     const glm::vec3 p = wrong_[i];
     const float at[3] = {p.x, p.y, p.z};
     NearPoints near;
-    nearest_kernel().nearest(surface_.x.data(), surface_.y.data(), surface_.z.data(),
-                             surface_.size(), at, near);
+    nearest_kernel().nearest(surface_.positions(), at, near);
     const float nearest = std::sqrt(near.squared[0]);
     for (int n = 0; n < NearPoints::kMost; ++n) {
       if (std::sqrt(near.squared[n]) > nearest + kBetweenZeros) break;

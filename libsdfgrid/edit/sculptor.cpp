@@ -89,7 +89,7 @@ void for_bricks(std::size_t count, const Job& job,
 class Sculptor::Pass {
  public:
   Pass(Sculptor& sculptor, const Stroke& stroke, const Job& job)
-      : sculptor_(sculptor), stroke_(stroke), job_(job) {}
+      : sculptor_(sculptor), stroke_(stroke), job_(job), record_(sculptor.history_.new_record()) {}
 
   StrokeReport run() {
     const double voxel = sculptor_.grid_.lattice().voxel;

@@ -64,7 +64,7 @@ std::vector<T> unpack_vector(std::span<const std::byte>& in) {
 void UndoRecord::reserve(std::size_t bricks) { states_.reserve(bricks); }
 
 std::size_t UndoRecord::add_slot() {
-  if (slots_ % Chunk::kSlots == 0) chunks_.push_back(std::make_unique_for_overwrite<Chunk>());
+  if (slots_ % UndoChunk::kSlots == 0) chunks_.push_back(pool_->take());
   return slots_++;
 }
 
@@ -97,7 +97,7 @@ void UndoRecord::add_paint(const glm::ivec3& brick, const std::int32_t* now) {
 }
 
 void UndoRecord::exchange(GridBricks& grid) {
-  UndoRecord other;
+  UndoRecord other(*pool_);
   other.reserve(states_.size());
   for (const State& state : states_) other.add(state.change, grid.find(state.change.brick));
   for (const State& state : states_) {
@@ -132,7 +132,7 @@ std::vector<BrickChange> UndoRecord::changes() const {
 
 std::size_t UndoRecord::bytes() const {
   return sizeof *this + states_.capacity() * sizeof(State) +
-         chunks_.size() * (sizeof(Chunk) + sizeof chunks_[0]) +
+         chunks_.size() * (sizeof(UndoChunk) + sizeof chunks_[0]) +
          painted_.capacity() * sizeof(State) + materials_.capacity() * sizeof(std::int32_t);
 }
 
@@ -153,8 +153,8 @@ std::vector<std::byte> UndoRecord::pack() const {
   return out;
 }
 
-UndoRecord UndoRecord::unpack(std::span<const std::byte> packed) {
-  UndoRecord record;
+UndoRecord UndoRecord::unpack(std::span<const std::byte> packed, UndoPool& pool) {
+  UndoRecord record(pool);
   record.states_ = unpack_vector<State>(packed);
   const auto all_values = unpack_vector<float>(packed);
   const auto all_active = unpack_vector<std::uint64_t>(packed);
@@ -183,11 +183,11 @@ std::vector<BrickChange> UndoHistory::exchange(Entry& entry, GridBricks& grid) {
     options_.store->forget(entry.name);
     entry.where = Where::packed;
   }
-  if (entry.where == Where::packed) entry.record = UndoRecord::unpack(entry.packed);
+  if (entry.where == Where::packed) entry.record = UndoRecord::unpack(entry.packed, pool_);
   entry.packed = std::vector<std::byte>();  // {} would keep the memory
   entry.where = Where::full;
-  entry.record.exchange(grid);
-  return entry.record.changes();
+  entry.record->exchange(grid);
+  return entry.record->changes();
 }
 
 std::vector<BrickChange> UndoHistory::undo(GridBricks& grid) {
@@ -209,7 +209,7 @@ std::vector<BrickChange> UndoHistory::redo(GridBricks& grid) {
 std::size_t UndoHistory::bytes() const {
   std::size_t sum = 0;
   for (const Entry& entry : entries_) {
-    sum += entry.where == Where::full ? entry.record.bytes() : entry.packed.capacity();
+    sum += entry.where == Where::full ? entry.record->bytes() : entry.packed.capacity();
   }
   return sum;
 }
@@ -248,13 +248,13 @@ void UndoHistory::keep_within_budget() {
 // False if there is no place for it.
 bool UndoHistory::keep(Entry& entry, bool nearest, std::size_t& full, std::size_t& packed) {
   if (entry.where == Where::full) {
-    const std::size_t bytes = entry.record.bytes();
+    const std::size_t bytes = entry.record->bytes();
     if (nearest || full + bytes <= options_.full_bytes) {
       full += bytes;
       return true;
     }
-    entry.packed = entry.record.pack();
-    entry.record = UndoRecord();
+    entry.packed = entry.record->pack();
+    entry.record.reset();
     entry.where = Where::packed;
   }
   if (entry.where == Where::spilled) return true;

@@ -10,16 +10,18 @@
 #include <cstdint>
 #include <deque>
 #include <glm/vec3.hpp>
-#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "sdfgrid/edit/undo_pool.h"
 #include "sdfgrid/grid/bricks.h"
 
 namespace sdfgrid {
 
 class UndoRecord {
  public:
+  explicit UndoRecord(UndoPool& pool) : pool_(&pool) {}
   void reserve(std::size_t bricks);  // at most about so many are added
   // Adds the state of a brick as it is now, and says which of its samples change. Each brick once.
   void add(const BrickChange& change, const GridBrick& now);
@@ -37,7 +39,7 @@ class UndoRecord {
 
   // The record as one block of bytes, compressed without loss, and back.
   [[nodiscard]] std::vector<std::byte> pack() const;
-  [[nodiscard]] static UndoRecord unpack(std::span<const std::byte> packed);
+  [[nodiscard]] static UndoRecord unpack(std::span<const std::byte> packed, UndoPool& pool);
 
  private:
   struct State {
@@ -45,24 +47,18 @@ class UndoRecord {
     float constant;     // if it has no samples
     std::int32_t slot;  // of its samples, -1 for none
   };
-  // The samples of some slots, so that a record grows without being copied and without memory that
-  // it does not need.
-  struct Chunk {
-    static constexpr std::size_t kSlots = 4;
-    float values[kSlots][kBrickSamples];
-    std::uint64_t active[kSlots][kBrickWords];
-  };
   void store(State& state, const GridBrick& now);
   std::size_t add_slot();
   float* values(std::size_t slot) const {
-    return chunks_[slot / Chunk::kSlots]->values[slot % Chunk::kSlots];
+    return chunks_[slot / UndoChunk::kSlots]->values[slot % UndoChunk::kSlots];
   }
   std::uint64_t* active(std::size_t slot) const {
-    return chunks_[slot / Chunk::kSlots]->active[slot % Chunk::kSlots];
+    return chunks_[slot / UndoChunk::kSlots]->active[slot % UndoChunk::kSlots];
   }
 
+  UndoPool* pool_;
   std::vector<State> states_;
-  std::vector<std::unique_ptr<Chunk>> chunks_;
+  std::vector<UndoPool::Chunk> chunks_;
   std::size_t slots_ = 0;
   std::vector<State> painted_;
   std::vector<std::int32_t> materials_;  // kBrickSamples a slot
@@ -94,6 +90,8 @@ class UndoHistory {
  public:
   explicit UndoHistory(const UndoOptions& options = {}) : options_(options) {}
 
+  [[nodiscard]] UndoRecord new_record() { return UndoRecord(pool_); }
+
   // A new stroke: what could be redone is gone.
   void push(UndoRecord record);
   // Exchange the last stroke (the last undone one) with the grid and return what changed; nothing
@@ -109,7 +107,7 @@ class UndoHistory {
   enum class Where { full, packed, spilled };
   struct Entry {
     Where where = Where::full;
-    UndoRecord record;
+    std::optional<UndoRecord> record;  // where it is full
     std::vector<std::byte> packed;
     std::size_t name = 0;
   };
@@ -120,6 +118,7 @@ class UndoHistory {
   void forget(std::size_t begin, std::size_t end);
 
   UndoOptions options_;
+  UndoPool pool_;
   std::deque<Entry> entries_;  // oldest first
   std::size_t done_ = 0;       // the first so many of them stand
 };

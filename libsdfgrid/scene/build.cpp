@@ -59,10 +59,17 @@ class SceneBuilder {
                       "give three");
   }
 
+  [[nodiscard]] glm::vec3 color(const SceneValue& value) const {
+    const glm::dvec3 v = three(value);
+    if (v.x >= 0 && v.y >= 0 && v.z >= 0) return glm::vec3(v);
+    throw input_error(file_, "", fmt::format("`{}` must not be negative", value.name),
+                      "give three numbers from 0 to 1");
+  }
+
   [[nodiscard]] Material read_material(const SceneMaterial& from) const {
     Material to;
     for (const SceneValue& value : from.values) {
-      if (value.name == "diffuse") to.diffuse = glm::vec3(three(value));
+      if (value.name == "diffuse") to.diffuse = color(value);
       if (value.name == "specular") to.specular = static_cast<float>(one(value, 0, 1));
       if (value.name == "exponent") to.exponent = static_cast<float>(one(value, 1, 1e5));
     }
@@ -75,6 +82,11 @@ class SceneBuilder {
       if (value.name == "target") model_.camera.target = three(value);
       if (value.name == "up") model_.camera.up = three(value);
       if (value.name == "fov") model_.camera.fov = one(value, 0.01, 179);
+    }
+    const SceneCamera& camera = model_.camera;
+    if (camera.eye && camera.target && *camera.eye == *camera.target) {
+      throw input_error(file_, "", "`camera` has `eye` and `target` at the same point",
+                        "move one of them");
     }
   }
 

@@ -11,6 +11,7 @@ std::unique_ptr<MeshTransform> make_mesh_transform(const SignedMesh& mesh, const
                                                    const Band& band,
                                                    const TransformOptions& options,
                                                    const Job& job) {
+  check(options);
   switch (options.method) {
     case TransformMethod::feature:
       return make_mesh_feature(mesh, lattice, band, job);

@@ -52,10 +52,7 @@ void check(const DenseSeeds& seeds, const TransformOptions& options, std::size_t
       (masked && !seeds.values.empty()) || room != count) {
     throw Error(ErrorKind::usage, "the seeds do not have as many samples as the volume");
   }
-  if (!(options.window >= 0)) throw Error(ErrorKind::usage, "a window must not be negative");
-  if (!(options.bucket_width >= 0 && options.bucket_width <= 16)) {
-    throw Error(ErrorKind::usage, "a bucket must be 0 to 16 voxels wide");
-  }
+  check(options);
 }
 
 // Throws Error{input} naming the first value that is not finite.
@@ -100,6 +97,15 @@ std::string_view transform_name(TransformMethod method) {
   const auto* found = std::find_if(std::begin(kMethods), std::end(kMethods),
                                    [&](const auto& info) { return info.method == method; });
   return found == std::end(kMethods) ? "" : found->name;
+}
+
+void check(const TransformOptions& options) {
+  if (!(options.window >= 0)) throw Error(ErrorKind::usage, "a window must not be negative");
+  const double width = options.bucket_width;
+  if (width != 0 && !(width >= kLeastBucket && width <= kMostBucket)) {
+    throw Error(ErrorKind::usage, fmt::format("a bucket must be 0 (a heap), or {} to {} voxels wide",
+                                              kLeastBucket, kMostBucket));
+  }
 }
 
 void distance_transform(const DenseSeeds& seeds, const TransformOptions& options,

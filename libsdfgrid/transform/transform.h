@@ -77,10 +77,16 @@ struct TransformOptions {
   TransformSide side = TransformSide::both;
   // Distances beyond this, in voxels of the smallest spacing, are cut to it; 0: none is.
   double window = 0;
-  // Of the queue of the marching methods, in voxels of the smallest spacing; 0: a binary heap.
+  // Of the queue of the marching methods, in voxels of the smallest spacing: 0, a binary heap, or
+  // kLeastBucket to kMostBucket.
   double bucket_width = 1.0 / 16;
   std::vector<ChamferStep> steps{};  // for chamfer_mask
 };
+inline constexpr double kLeastBucket = 1e-4;  // below, the empty ones take more than the heap
+inline constexpr double kMostBucket = 16;
+
+// Throws Error{usage} for options that make no sense for any input.
+void check(const TransformOptions& options);
 
 // Distances from every sample to the surface between samples inside and outside, by sign:
 // - of a mask, between samples: d to the nearest sample on the other side; for `both`, half of the

@@ -233,7 +233,7 @@ TEST(NearestKernel, FindsTheFirstNearest) {
     }
     for (const auto& [name, kernel] : nearest_kernels()) {
       NearPoints got;
-      kernel->nearest(x.data(), y.data(), z.data(), count, p, got);
+      kernel->nearest({x.data(), y.data(), z.data(), count}, p, got);
       ASSERT_EQ(got.index[0], expected) << name;
       ASSERT_EQ(got.squared[0], least) << name;
       for (int i = 1; i < NearPoints::kMost; ++i) {

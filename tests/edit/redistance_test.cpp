@@ -195,7 +195,7 @@ void remeasure(const Grid& grid) {
   const auto found =
       redistance(bricks, grid.lattice().voxel, band_limits(grid), everything(grid), Job());
   for (const RedistancedBrick& brick : found) {
-    const GridBrick now = bricks.find(brick.brick);
+    const GridBrick now = bricks.find(brick.change.brick);
     std::copy(std::begin(brick.values), std::end(brick.values), now.values);
     std::copy(std::begin(brick.active), std::end(brick.active), now.active);
   }

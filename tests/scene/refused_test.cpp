@@ -56,6 +56,15 @@ TEST(SceneRefused, NodesThatAreNone) {
   expect_refused("sdfgrid: 1\nscene: [[{sphere: {}}]]\n", "line 2, column 9", "node");
 }
 
+TEST(SceneRefused, CamerasAndMaterials) {
+  const std::string ball = "scene: {sphere: {}}\n";
+  expect_refused("sdfgrid: 1\ncamera: {eye: [1, 2, 3], target: [1, 2, 3]}\n" + ball, "",
+                 "same point");
+  expect_refused("sdfgrid: 1\nmaterials: {a: {diffuse: [0.5, -0.1, 1]}}\n" + ball, "",
+                 "`diffuse` must not be negative");
+  expect_refused("sdfgrid: 1\nmaterials: {a: {specular: 2}}\n" + ball, "", "`specular`");
+}
+
 TEST(SceneRefused, Numbers) {
   expect_refused("sdfgrid: 1\nscene: [{sphere: {radius: {a: 1}}}]\n", "line 2, column 27",
                  "number");
