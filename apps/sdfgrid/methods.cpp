@@ -45,11 +45,7 @@ CLI::Option* add_methods(CLI::App& app, std::vector<std::string>& chosen,
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("WORDS")
-      ->each([names](const std::string& word) {
-        if (std::find(names.begin(), names.end(), word) == names.end()) {
-          refuse_choice("--methods", word, names);
-        }
-      });
+      ->check(known_word(names));
 }
 
 TransformOptions TransformChoice::options_for(const std::vector<std::string>& methods) const {

@@ -81,12 +81,27 @@ std::string one_of(const std::vector<std::string>& words) {
   return text;
 }
 
-void refuse_choice(const std::string& option, const std::string& given,
-                   const std::vector<std::string>& words) {
+namespace {
+
+std::string unknown_word(const std::string& given, const std::vector<std::string>& words) {
   const std::string near = nearest_word(given, words);
   const std::string hint = near.empty() ? "" : fmt::format(" (did you mean '{}'?)", near);
-  throw CLI::ValidationError(
-      option, fmt::format("'{}' is not known{}; it takes {}", given, hint, one_of(words)));
+  return fmt::format("'{}' is not known{}; it takes {}", given, hint, one_of(words));
+}
+
+}  // namespace
+
+CLI::Validator known_word(const std::vector<std::string>& words) {
+  const auto problem = [words](const std::string& given) {
+    const bool known = std::find(words.begin(), words.end(), given) != words.end();
+    return known ? std::string() : unknown_word(given, words);
+  };
+  return {problem, ""};
+}
+
+void refuse_choice(const std::string& option, const std::string& given,
+                   const std::vector<std::string>& words) {
+  throw CLI::ValidationError(option, unknown_word(given, words));
 }
 
 }  // namespace sdfgrid::cli

@@ -38,6 +38,9 @@ void check_output(const Output& output);
 // "a, b or c".
 [[nodiscard]] std::string one_of(const std::vector<std::string>& words);
 
+// A check for options that take some of these words; names the nearest one of another.
+[[nodiscard]] CLI::Validator known_word(const std::vector<std::string>& words);
+
 // Throws CLI::ValidationError naming the nearest of `words` to the `given` one.
 [[noreturn]] void refuse_choice(const std::string& option, const std::string& given,
                                 const std::vector<std::string>& words);

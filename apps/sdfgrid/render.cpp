@@ -383,11 +383,7 @@ Run add_render(CLI::App& app) {
   app.add_option("--aov", options->aovs, "further channels of an .exr: " + one_of(kAovs))
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->each([](const std::string& word) {
-        if (std::find(kAovs.begin(), kAovs.end(), word) == kAovs.end()) {
-          refuse_choice("--aov", word, kAovs);
-        }
-      });
+      ->check(known_word(kAovs));
   app.add_option("--samples", options->look.samples,
                  "rays for a pixel with an edge in it; 1 for no antialiasing")
       ->capture_default_str()

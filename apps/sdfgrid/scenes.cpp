@@ -1,7 +1,5 @@
 #include "scenes.h"
 
-#include <algorithm>
-
 #include "options.h"
 
 namespace sdfgrid::cli {
@@ -12,9 +10,7 @@ void add_scene_options(CLI::App& app, double& time) {
       ->capture_default_str();
 }
 
-bool names_scene(const std::string& path) {
-  return has_extension(path, scene_extensions());
-}
+bool names_scene(const std::string& path) { return has_extension(path, scene_extensions()); }
 
 SceneModel load_scene(const std::string& path, double time, Context& context) {
   const SceneFile file = read_scene(path);

@@ -49,8 +49,11 @@ SampleRange parse_range(const std::string& text) {
   int used = 0;
   const bool two = std::sscanf(text.c_str(), "%lf,%lf%n", &range.lo, &range.hi, &used) == 2;
   if (!two || static_cast<std::size_t>(used) != text.size() ||
-      !std::isfinite(range.hi - range.lo) || range.lo == range.hi) {
+      !std::isfinite(range.hi - range.lo)) {
     throw CLI::ValidationError("--range", "'" + text + "' is not two numbers as in 0,255");
+  }
+  if (range.lo == range.hi) {
+    throw CLI::ValidationError("--range", "'" + text + "': nothing lies between equal numbers");
   }
   return range;
 }

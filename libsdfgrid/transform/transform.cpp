@@ -103,8 +103,9 @@ void check(const TransformOptions& options) {
   if (!(options.window >= 0)) throw Error(ErrorKind::usage, "a window must not be negative");
   const double width = options.bucket_width;
   if (width != 0 && !(width >= kLeastBucket && width <= kMostBucket)) {
-    throw Error(ErrorKind::usage, fmt::format("a bucket must be 0 (a heap), or {} to {} voxels wide",
-                                              kLeastBucket, kMostBucket));
+    throw Error(ErrorKind::usage,
+                fmt::format("a bucket must be 0 (a heap), or {} to {} voxels wide", kLeastBucket,
+                            kMostBucket));
   }
 }
 
