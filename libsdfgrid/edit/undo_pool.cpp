@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdlib>
+#include <cstring>
 #include <new>
 
 #include "sdfgrid/core/memory.h"
@@ -49,8 +50,7 @@ UndoPool::Chunk UndoPool::take() {
   Slab& slab = *with_room_.back();
   UndoChunk* chunk = slab.free;
   if (chunk != nullptr) {
-    std::copy_n(reinterpret_cast<char*>(chunk), sizeof slab.free,
-                reinterpret_cast<char*>(&slab.free));
+    std::memcpy(&slab.free, chunk, sizeof slab.free);
   } else {
     chunk = slab.chunk(slab.begun++);
   }
@@ -62,8 +62,7 @@ UndoPool::Chunk UndoPool::take() {
 // A slab without chunks goes back to the system unless it is the last one with room.
 void UndoPool::give(Slab* slab, UndoChunk* chunk) {
   if (!slab->has_room()) with_room_.push_back(slab);
-  std::copy_n(reinterpret_cast<char*>(&slab->free), sizeof slab->free,
-              reinterpret_cast<char*>(chunk));
+  std::memcpy(chunk, &slab->free, sizeof slab->free);
   slab->free = chunk;
   --slab->used;
   if (slab->used > 0 || with_room_.size() == 1) return;
