@@ -82,6 +82,27 @@ void ball_distances(const StrokePlan& plan, const PlannedBrick& planned, float* 
   if (count > 0) sweep();
 }
 
+// Divides a brick's values (voxels) by their slope where it is below one. A bound that is a tenth
+// of the distance to a brush would otherwise count as near ten times as far away as the brush is,
+// and move the surface of the model there. Along each axis the larger of both sides' differences
+// counts, so that beside a crease of the brush the result is still a bound.
+void divide_by_slope(float* d) {
+  constexpr float kLeastSlope = 1.0F / 64;
+  float scaled[kBrickSamples];
+  for (int s = 0; s < kBrickSamples; ++s) {
+    float squared = 0;
+    for (const int step : {64, 8, 1}) {
+      const int at = s / step & 7;
+      const float before = at > 0 ? std::abs(d[s] - d[s - step]) : 0.0F;
+      const float behind = at < 7 ? std::abs(d[s + step] - d[s]) : 0.0F;
+      const float larger = std::max(before, behind);
+      squared += larger * larger;
+    }
+    scaled[s] = d[s] / std::clamp(std::sqrt(squared), kLeastSlope, 1.0F);
+  }
+  std::copy_n(scaled, kBrickSamples, d);
+}
+
 void shape_distances(const BrushShape& shape, double voxel, const StrokePlan& plan,
                      const PlannedBrick& planned, float* distances) {
   float x[kBrickSamples];
@@ -99,9 +120,10 @@ void shape_distances(const BrushShape& shape, double voxel, const StrokePlan& pl
       z[s] = from.z + step.z * static_cast<float>(s & 7);
     }
     shape.distances(x, y, z, d, kBrickSamples);
+    for (float& distance : d) distance *= per_voxel;
+    if (shape.shallow) divide_by_slope(d);
     for (int s = 0; s < kBrickSamples; ++s) {
-      const float distance = d[s] * per_voxel;
-      distances[s] = i == planned.begin ? distance : std::min(distances[s], distance);
+      distances[s] = i == planned.begin ? d[s] : std::min(distances[s], d[s]);
     }
   }
 }

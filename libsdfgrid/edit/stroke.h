@@ -40,6 +40,9 @@ struct BrushShape {
       distances;
   Box bounds;         // of the solid, in its own coordinates; must not be empty
   bool exact = true;  // whether those are true distances, or only bounds of them
+  // Whether they may be so much smaller than the distances that they stand for those only when they
+  // are divided by their slope.
+  bool shallow = false;
 };
 
 struct Brush {

@@ -144,5 +144,36 @@ TEST(StrokeFile, BoundsOfDistancesBecomeDistances) {
   }
 }
 
+// A bound that is an eighth of the distance at its ends: cut into a ball, it must not move the
+// ball's surface further away than the band is wide.
+TEST(StrokeFile, AShallowBoundLeavesTheSurfaceBesideTheBrushAlone) {
+  const Grid grid = ball_grid(20);
+  const Content before = content_of(grid, 24);
+  Sculptor sculptor(grid);
+  (void)sculptor.apply(
+      parse_stroke("{op: difference, brush: {ellipsoid_bound: {radii: [0.2, 1.6, 0.8]}}, path: "
+                   "[[0, 0, 2]]}",
+                   "test"),
+      Job());
+  const Content after = content_of(grid, 24);
+  const Field brush = make_field("ellipsoid", {{"radii", {2, 16, 8}}});  // exact, in voxels
+  int beside = 0;
+  std::size_t i = 0;
+  for (int x = -24; x <= 24; ++x) {
+    for (int y = -24; y <= 24; ++y) {
+      for (int z = -24; z <= 24; ++z, ++i) {
+        const float distance = brush({x, y, z - 20});
+        if (distance < -0.1F) {
+          ASSERT_GT(after[i].first, 0) << x << " " << y << " " << z;
+        }
+        if (distance < 3.5F || std::abs(before[i].first) > 0.1F) continue;
+        ASSERT_EQ(after[i].first, before[i].first) << x << " " << y << " " << z;
+        ++beside;
+      }
+    }
+  }
+  EXPECT_GT(beside, 5000);
+}
+
 }  // namespace
 }  // namespace sdfgrid
