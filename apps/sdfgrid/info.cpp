@@ -20,6 +20,7 @@ namespace {
 struct Options {
   std::string input;
   VolumeOptions volume;
+  double time = 0;
 };
 
 Json triple(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
@@ -163,11 +164,11 @@ void report_volume(const VolumeFile& file, Context& context) {
                 volume.axis_aligned() ? "" : ", axes turned or mirrored");
 }
 
-void report_scene(const std::string& path, Context& context) {
-  const SceneModel scene = load_scene(path, 0, context);
+void report_scene(const std::string& path, double time, Context& context) {
+  const SceneModel scene = load_scene(path, time, context);
   Json& result = context.result();
   result["kind"] = "scene";
-  context.print("scene      at time 0");
+  context.print("scene      at time {:g}", time);
   const Box box = scene.field.bounds();
   bool ends = true;
   for (int a = 0; a < 3; ++a) ends = ends && std::isfinite(box.size()[a]);
@@ -182,7 +183,7 @@ void report_scene(const std::string& path, Context& context) {
 Exit run(const Options& options, const CLI::App& app, Context& context) {
   check_options_for(app, {kind_of(options.input, false)});
   if (names_scene(options.input)) {
-    report_scene(options.input, context);
+    report_scene(options.input, options.time, context);
     return Exit::done;
   }
   if (names_volume(options.input)) {
@@ -207,6 +208,7 @@ Run add_info(CLI::App& app) {
                  "mesh (.obj, .ply, .stl, .off, .om), volume, grid (.vdb) or scene (.yaml, .json)")
       ->required();
   add_volume_options(app, options->volume);
+  add_scene_options(app, options->time);
   return [options, &app](Context& context) { return run(*options, app, context); };
 }
 

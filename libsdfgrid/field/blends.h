@@ -167,7 +167,7 @@ struct SpatialMorph {
   void prepare(Data) {
     float squared = 0;
     for (int i = 0; i < 3; ++i) squared += (to[i] - from[i]) * (to[i] - from[i]);
-    for (int i = 0; i < 3; ++i) axis[i] = squared > 0 ? (to[i] - from[i]) / squared : 0;
+    for (int i = 0; i < 3; ++i) axis[i] = (to[i] - from[i]) / squared;
   }
   template <class T>
   T combine(const T& a, const T& b, const Point<T>& p) const {
@@ -209,7 +209,7 @@ struct Partition {
 
   void prepare(Data) {
     const float l = std::hypot(normal[0], normal[1], normal[2]);
-    for (float& n : normal) n /= l > 0 ? l : 1;
+    for (float& n : normal) n /= l;
   }
   template <class T>
   T combine(const T& a, const T& b, const Point<T>& p) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 namespace sdfgrid {
 namespace {
@@ -38,26 +39,47 @@ class CubicCurve : public Sampler {
 
   void evaluate(int n, const float* x, const float* y, const float* z, float* out) const override {
     for (int i = 0; i < n; ++i) {
-      out[i] = static_cast<float>(distance(glm::dvec3(x[i], y[i], z[i])) - radius_);
+      out[i] = static_cast<float>(value({x[i], y[i], z[i]}));
     }
   }
+  [[nodiscard]] double value(const glm::dvec3& p) const override { return distance(p) - radius_; }
 
-  [[nodiscard]] Box bounds() const override {
+  [[nodiscard]] Box hull() const override {
     Box box;
-    for (const glm::dvec3& c : control_) box.add(c);
+    for (const double t : {0.0, 1.0}) box.add(at(t));
+    for (int a = 0; a < 3; ++a) add_extremes(a, box);
     return {box.lo - radius_, box.hi + radius_};
   }
+  [[nodiscard]] double step() const override { return 1e-6 * glm::length(hull().size()); }
 
  private:
   static double dot(const glm::dvec3& a, const glm::dvec3& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
   }
 
-  [[nodiscard]] double squared(const glm::dvec3& p, double t) const {
+  [[nodiscard]] glm::dvec3 at(double t) const {
     const double s = 1 - t;
-    const glm::dvec3 c = s * s * s * control_[0] + 3 * s * s * t * control_[1] +
-                         3 * s * t * t * control_[2] + t * t * t * control_[3];
-    return dot(c - p, c - p);
+    return s * s * s * control_[0] + 3 * s * s * t * control_[1] + 3 * s * t * t * control_[2] +
+           t * t * t * control_[3];
+  }
+
+  [[nodiscard]] double squared(const glm::dvec3& p, double t) const {
+    const glm::dvec3 d = at(t) - p;
+    return dot(d, d);
+  }
+
+  // Where the coordinate's derivative, a t^2 + b t + c but for a factor, is zero.
+  void add_extremes(int axis, Box& box) const {
+    const auto v = [&](int i) { return control_[i][axis]; };
+    const double a = v(3) - 3 * v(2) + 3 * v(1) - v(0);
+    const double b = 2 * (v(2) - 2 * v(1) + v(0));
+    const double c = v(1) - v(0);
+    const double root = b * b - 4 * a * c;
+    if (root < 0) return;
+    const double q = -0.5 * (b + std::copysign(std::sqrt(root), b));
+    for (const double t : {q / a, c / q}) {  // not finite where there is none
+      if (t > 0 && t < 1) box.add(at(t));
+    }
   }
 
   [[nodiscard]] double distance(const glm::dvec3& p) const {
@@ -88,6 +110,8 @@ class CubicCurve : public Sampler {
     Quintic left;
     Quintic right;
     halves(q, left, right);
+    // A root here is at the end of both halves, where no change of sign tells of it.
+    if (right[0] == 0) nearest = std::min(nearest, squared(p, t + 0.5 * width));
     search(left, t, 0.5 * width, p, nearest);
     search(right, t + 0.5 * width, 0.5 * width, p, nearest);
   }

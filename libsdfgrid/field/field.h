@@ -76,8 +76,24 @@ class Sampler {
   // Values at n points; may be called from many threads.
   virtual void evaluate(int n, const float* x, const float* y, const float* z,
                         float* out) const = 0;
-  // Holds every point where the value is negative.
-  [[nodiscard]] virtual Box bounds() const = 0;
+  // A box outside of which the value is at least the distance to it.
+  [[nodiscard]] virtual Box hull() const = 0;
+  // Holds every point where the value is below `level`.
+  [[nodiscard]] virtual Box bounds(double level) const;
+  // The same in double precision, for gradients by differences over steps of length step().
+  [[nodiscard]] virtual double value(const glm::dvec3& p) const = 0;
+  [[nodiscard]] virtual double step() const = 0;
+  // The value at that signed distance from the surface, where it is less by some rule.
+  [[nodiscard]] virtual double value_at(double distance) const { return distance; }
+  // Values of at most this size, inside and outside, say where the surface is; larger ones only
+  // that it is further away. Infinite where all do.
+  [[nodiscard]] virtual double reach() const { return std::numeric_limits<double>::infinity(); }
+};
+
+// How far from its surface a field looks at a sampler's values, by offsets, shells and blends.
+struct SamplerUse {
+  const Sampler* sampler;
+  double level;  // >= 0, in the sampler's own space
 };
 
 struct FieldKernel;  // internal to field/
@@ -105,6 +121,8 @@ class Field {
   // A box that holds every point where the value is below `level`; axes without end are infinite,
   // the box is empty if there is no such point.
   [[nodiscard]] Box bounds(double level = 0) const;
+  // Each sampler once, with the largest level of all its uses.
+  [[nodiscard]] std::vector<SamplerUse> sampler_uses() const;
 
   // A bound on the gradient over the box, at most 1 and often less: inside it a step may be longer
   // by its inverse. See local_bounds.h.

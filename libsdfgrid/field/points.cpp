@@ -1,6 +1,7 @@
 // Distances to a set of points by a kd-tree; declared in leaves_sampled.h.
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "sdfgrid/field/build.h"
 #include "sdfgrid/field/leaves_sampled.h"
@@ -22,14 +23,19 @@ class PointSet : public Sampler {
   }
 
   void evaluate(int n, const float* x, const float* y, const float* z, float* out) const override {
-    for (int i = 0; i < n; ++i) {
-      double nearest = 1e300;
-      search(0, points_.size(), Position(x[i], y[i], z[i]), nearest);
-      out[i] = static_cast<float>(std::sqrt(nearest) - radius_);
-    }
+    for (int i = 0; i < n; ++i) out[i] = static_cast<float>(value({x[i], y[i], z[i]}));
+  }
+  [[nodiscard]] double value(const Position& p) const override {
+    double nearest = 1e300;
+    search(0, points_.size(), p, nearest);
+    return std::sqrt(nearest) - radius_;
+  }
+  // Well within the ball of a point.
+  [[nodiscard]] double step() const override {
+    return 1e-6 * std::fmax(radius_, 1e-3 * glm::length(bounds_.size()));
   }
 
-  [[nodiscard]] Box bounds() const override { return {bounds_.lo - radius_, bounds_.hi + radius_}; }
+  [[nodiscard]] Box hull() const override { return {bounds_.lo - radius_, bounds_.hi + radius_}; }
 
  private:
   static constexpr std::size_t kLeaf = 8;

@@ -57,13 +57,31 @@ Interval spread(double value, const Ball& ball) {
   return r < kInfinity ? Interval(value - r, value + r) : everything();
 }
 
+// Between the points of p and a box, less what single precision may take from it; 0 if they meet.
+double distance_between(const Point<Interval>& p, const Box& box) {
+  if (box.empty()) return 0;
+  const Interval* axes[] = {&p.x, &p.y, &p.z};
+  double square = 0;
+  double size = 0;
+  for (int a = 0; a < 3; ++a) {
+    const double away = std::fmax(std::fmax(axes[a]->lo - box.hi[a], box.lo[a] - axes[a]->hi), 0);
+    square += away * away;
+    size += std::fabs(box.lo[a]) + std::fabs(box.hi[a]) + away;
+  }
+  return std::fmax(std::sqrt(square) - size * 4 * kFloatSlack, 0);
+}
+
 }  // namespace
 
 Interval leaf_interval(const Program& program, const Instruction& at, const Point<Interval>& p) {
   const Ball ball = ball_around(p);
   if (at.step == Step::sample) {
-    if (!(ball.radius < kInfinity)) return everything();
-    return spread(sample_at(sampler_of(program, at), ball.center), ball);
+    const Sampler& sampler = sampler_of(program, at);
+    const double beyond = distance_between(p, sampler.hull());
+    const Interval far(beyond, kInfinity);
+    if (!(ball.radius < kInfinity)) return beyond > 0 ? far : everything();
+    const Interval near = spread(sample_at(sampler, ball.center), ball);
+    return beyond > 0 ? meet(near, far) : near;
   }
   const float* c = constants_of(program, at);
   const Data data = data_of(program, at);
@@ -275,10 +293,7 @@ Box bounds_below(const Program& program, const std::vector<std::int32_t>& starts
                  double level) {
   const Instruction& at = program.code[last];
   const Box all{glm::dvec3(-kInfinity), glm::dvec3(kInfinity)};
-  if (at.step == Step::sample) {
-    // A bound may be small far from its surface.
-    return level <= 0 ? sampler_of(program, at).bounds() : all;
-  }
+  if (at.step == Step::sample) return sampler_of(program, at).bounds(level);
   const RegisteredOp& op = registry()[at.op];
   const float* c = constants_of(program, at);
   const Data data = data_of(program, at);
@@ -299,7 +314,38 @@ Box bounds_below(const Program& program, const std::vector<std::int32_t>& starts
   return op.bounds(c, data, first, second, level);
 }
 
+// Adds what the subtree that ends at instruction `last` asks of samplers for its surface `level`.
+void add_uses(const Program& program, const std::vector<std::int32_t>& starts, int last,
+              double level, std::vector<SamplerUse>& uses) {
+  const Instruction& at = program.code[last];
+  if (at.step == Step::sample) {
+    const Sampler* sampler = &sampler_of(program, at);
+    const auto same = [&](const SamplerUse& use) { return use.sampler == sampler; };
+    const auto known = std::find_if(uses.begin(), uses.end(), same);
+    SamplerUse& use = known != uses.end() ? *known : uses.emplace_back(SamplerUse{sampler, 0});
+    use.level = std::fmax(use.level, std::fabs(level));
+    return;
+  }
+  if (at.step == Step::leaf) return;
+  // A smooth union of two surfaces is lowered by a quarter of its width, yet reads values of all of
+  // it.
+  constexpr double kWidths = 4;
+  double below =
+      has_boxes(at) ? level : registry()[at.op].child_level(constants_of(program, at), level);
+  if (at.step == Step::combine) below = level + kWidths * (below - level);
+  add_uses(program, starts, last - 1, below, uses);
+  if (at.step == Step::combine) add_uses(program, starts, starts[last - 1] - 1, below, uses);
+}
+
 }  // namespace
+
+std::vector<SamplerUse> Field::sampler_uses() const {
+  std::vector<SamplerUse> uses;
+  const auto& known = program_->starts;
+  add_uses(*program_, known.empty() ? subtree_starts(program_->code) : known,
+           static_cast<int>(program_->code.size()) - 1, 0, uses);
+  return uses;
+}
 
 Box Field::bounds(double level) const {
   const auto& known = program_->starts;

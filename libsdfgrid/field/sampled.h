@@ -7,7 +7,7 @@ namespace sdfgrid {
 
 [[nodiscard]] float sample_at(const Sampler& sampler, const glm::dvec3& p);
 
-// The gradient by central differences, as long a step as single precision needs.
+// The gradient by central differences; no longer than 1.
 [[nodiscard]] ValueGradient sample_gradient(const Sampler& sampler, const glm::dvec3& p);
 
 }  // namespace sdfgrid

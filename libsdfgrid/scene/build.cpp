@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 
@@ -29,12 +30,48 @@ class SceneBuilder {
       model_.materials.push_back(read_material(material));
     }
     read_camera();
-    std::vector<Field> nodes = fields(scene_.nodes);
-    if (!nodes.empty()) model_.field = make_field("union", {}, nodes);
+    do {
+      std::vector<Field> nodes = fields(scene_.nodes);
+      if (!nodes.empty()) model_.field = make_field("union", {}, nodes);
+    } while (widen_bands());
     return std::move(model_);
   }
 
  private:
+  // A file as a leaf.
+  struct Sampled {
+    std::shared_ptr<const Sampler> sampler;
+    std::string path;
+    int dim = 0;       // of a mesh; 0 for a grid
+    double width = 3;  // of a mesh's band, voxels
+  };
+
+  // Where offsets, blends and such look beyond the band of a mesh, drops its grid and asks for a
+  // wider one; returns whether it did. Throws Error{input} for a grid.
+  bool widen_bands() {
+    bool any = false;
+    for (const SamplerUse& use : model_.field.sampler_uses()) {
+      const double reach = use.sampler->reach();
+      if (use.level <= reach) continue;
+      const auto found = std::find_if(samplers_.begin(), samplers_.end(), [&](const auto& known) {
+        return known.second.sampler.get() == use.sampler;
+      });
+      Sampled& sampled = found->second;
+      if (sampled.dim == 0) {
+        throw input_error(file_, "",
+                          fmt::format("an offset, shell, blend or displacement looks {:.4g} beyond "
+                                      "the surface of {}, whose distances end at {:.4g}",
+                                      use.level, sampled.path, reach),
+                          fmt::format("convert it with a band {:.1f} times as wide (--width)",
+                                      std::ceil(10.5 * use.level / reach) / 10));
+      }
+      sampled.width = std::ceil(1.05 * sampled.width * use.level / reach) + 1;
+      sampled.sampler.reset();
+      any = true;
+    }
+    return any;
+  }
+
   [[nodiscard]] double number(const SceneNumber& n) const {
     return n.formula.empty() ? n.value : parse_number(n.formula, time_);
   }
@@ -130,7 +167,36 @@ class SceneBuilder {
       }
     }
     add_time(node.op, arguments);
-    return make_field(node.op, arguments, of);
+    Field made = make_field(node.op, arguments, of);
+    if (of.size() == 1 && is_file(node.of[0])) {
+      if (node.op == "offset") return level_of_file(node.of[0], of[0], only(node.op, arguments));
+      if (node.op == "shell") {
+        const double half = 0.5 * only(node.op, arguments);
+        return make_field(
+            "difference", {},
+            {level_of_file(node.of[0], of[0], half), level_of_file(node.of[0], of[0], -half)});
+      }
+    }
+    return made;
+  }
+
+  // The number of an op that has one.
+  static double only(const std::string& op, const std::vector<Argument>& arguments) {
+    if (arguments.empty()) return find_op(op)->parameters[0].fallback[0];
+    return std::get<std::vector<double>>(arguments[0].value)[0];
+  }
+
+  // Whether the node is a file and nothing else, as large or small as it may be.
+  static bool is_file(const SceneNode& node) {
+    return (node.op == "grid" || node.op == "mesh") && node.scale.size() < 3;
+  }
+
+  // What lies within a distance of a file's surface: exactly, while offsets of a bound reach
+  // further, as its sampler knows at which value that is.
+  Field level_of_file(const SceneNode& node, const Field& field, double distance) {
+    const double scale = node.scale.empty() ? 1 : numbers(node.scale)[0];
+    const double value = scale * sampler(node, node.op == "mesh")->value_at(distance / scale);
+    return make_field("offset", {{"by", {value}}}, {field});
   }
 
   // Formulas of position know the time of the frame, unless the node says another.
@@ -176,18 +242,27 @@ class SceneBuilder {
     }
     if (name.empty()) throw Error(ErrorKind::input, node.op + ": `file` is missing");
     const std::string path = beside(name);
-    auto& known = samplers_[fmt::format("{} {}", mesh ? dim : 0, path)];
-    if (known == nullptr) known = make_sampler(mesh ? convert(path, dim) : read_grid(path), job_);
-    return known;
+    Sampled& known = samplers_[fmt::format("{} {}", mesh ? dim : 0, path)];
+    if (known.sampler != nullptr) return known.sampler;
+    known.path = path;
+    known.dim = mesh ? dim : 0;
+    known.sampler = make_sampler(mesh ? convert(known) : read_grid(path), job_);
+    return known.sampler;
   }
 
-  Grid convert(const std::string& path, int dim) {
-    const MeshFile mesh = read_mesh(path, job_);
-    for (const std::string& warning : mesh.warnings) model_.warnings.push_back(warning);
+  void warn(const std::string& text) {
+    std::vector<std::string>& all = model_.warnings;
+    if (std::find(all.begin(), all.end(), text) == all.end()) all.push_back(text);
+  }
+
+  Grid convert(const Sampled& from) {
+    const MeshFile mesh = read_mesh(from.path, job_);
+    for (const std::string& warning : mesh.warnings) warn(warning);
     ConvertOptions options;
-    options.dim = dim;
+    options.dim = from.dim;
+    options.band = {from.width, from.width};
     Conversion made = convert_mesh(mesh.soup, options, job_);
-    for (const std::string& warning : made.warnings) model_.warnings.push_back(warning);
+    for (const std::string& warning : made.warnings) warn(warning);
     return made.grid;
   }
 
@@ -197,7 +272,7 @@ class SceneBuilder {
   const Job& job_;
   SceneModel model_;
   std::map<std::string, int> tags_;
-  std::map<std::string, std::shared_ptr<const Sampler>> samplers_;
+  std::map<std::string, Sampled> samplers_;  // by dim and path
 };
 
 }  // namespace

@@ -26,6 +26,9 @@ const Names kTopWords = {"sdfgrid", "camera", "materials", "scene"};
 const Names kCameraWords = {"eye", "target", "up", "fov"};
 const Names kMaterialWords = {"diffuse", "specular", "exponent"};
 constexpr std::string_view kDisplace = "displace";
+// Ops that are nothing without their first node, or without any of them.
+const Names kOfFirst = {"difference", "smooth_difference"};
+const Names kOfAll = {"morph", "spatial_morph", "partition", "blend"};
 const Names kPlacing = {"at", "rotate", "scale", "material", "name"};
 
 bool contains(const Names& names, const std::string& word) {
@@ -195,7 +198,17 @@ class SceneReader {
     });
   }
 
+  // Which nodes of a list were left out, as none knows their words.
+  struct Missing {
+    bool any = false;
+    bool first = false;
+  };
+
   std::vector<SceneNode> read_nodes(const YamlNode& at) {
+    Missing missing;
+    return read_nodes(at, missing);
+  }
+  std::vector<SceneNode> read_nodes(const YamlNode& at, Missing& missing) {
     std::vector<SceneNode> nodes;
     if (at.kind == Kind::null) return nodes;
     if (at.kind == Kind::map) {
@@ -206,7 +219,11 @@ class SceneReader {
         if (node(item).kind != Kind::map) {
           refuse(node(item), "here must stand a node", "as in {sphere: {radius: 1}}");
         }
+        const std::size_t before = nodes.size();
         add_node(node(item), nodes);
+        if (nodes.size() > before) continue;
+        missing.any = true;
+        missing.first = missing.first || before == 0;
       }
     } else {
       refuse(at, "here must stand a node or a list of them", "as in {sphere: {radius: 1}}");
@@ -249,8 +266,15 @@ class SceneReader {
     });
     if (op != nullptr) {
       made.op = op->text == kDisplace ? displacement(*op, *content) : op->text;
-      read_content(*content, made);
-      nodes.push_back(std::move(made));
+      Missing missing;
+      read_content(*content, made, missing);
+      // Without these the node would be another solid, not less of it.
+      const bool lost = contains(kOfAll, made.op) ? missing.any : missing.first;
+      if (lost && (contains(kOfAll, made.op) || contains(kOfFirst, made.op))) {
+        warn(*op, fmt::format("`{}` is left out with its node", made.op));
+      } else {
+        nodes.push_back(std::move(made));
+      }
     } else if (warnings_.size() == before) {
       refuse(at, "a node without a shape", "name one, as in {sphere: {radius: 1}}");
     }
@@ -276,12 +300,12 @@ class SceneReader {
   }
 
   // What stands after the word of a node.
-  void read_content(const YamlNode& at, SceneNode& made) {
+  void read_content(const YamlNode& at, SceneNode& made, Missing& missing) {
     NodeWord word;
     (void)find_node_word(made.op, word);
     if (at.kind == Kind::null) return;
     if (at.kind == Kind::list && !word.leaf) {
-      made.of = read_nodes(at);
+      made.of = read_nodes(at, missing);
       return;
     }
     if (at.kind != Kind::map) {
@@ -290,7 +314,7 @@ class SceneReader {
     }
     for_keys(at, [&](const YamlNode& key, const YamlNode& value) {
       if (key.text == "of" && !word.leaf) {
-        made.of = read_nodes(value);
+        made.of = read_nodes(value, missing);
       } else if (key.text == "by" && value.kind == Kind::map && made.op.ends_with("_displace")) {
         read_displacement(value, word, made);
       } else if (contains(word.numbers, key.text) || contains(word.texts, key.text)) {

@@ -10,10 +10,11 @@
 
 namespace sdfgrid {
 
-// The grid's trilinear field divided by the bound on its gradient, so that it is 1-Lipschitz; its
-// zeros are those of the trilinear field. Beyond the band it is the background, and outside of the
-// box of the active voxels the distance to that box if that is more. Throws Error{input} for a grid
-// without sign or without voxels.
+// The grid's trilinear field made 1-Lipschitz: where it is steeper than 1 at a value, values around
+// that are pressed together. Its zeros are those of the trilinear field, its other levels too, at
+// value_at(). Beyond the band it is the
+// background, and outside of the box of the active voxels the distance to that box if that is more.
+// Throws Error{input} for a grid without sign or without voxels.
 [[nodiscard]] std::shared_ptr<const Sampler> make_sampler(const Grid& grid, const Job& job);
 
 // Throws what make_sampler() throws.

@@ -143,23 +143,38 @@ TEST(ExactOps, DistanceToACore) {
   expect_distance_to_core("triangle", triangle, 0.1, 0.02);
 }
 
+// At random points and at those of a lattice, where the nearest place of symmetric and of straight
+// curves is half way or a quarter along.
 TEST(ExactOps, CubicCurves) {
-  const std::vector<double> v = {-1, 0, 0, -0.5, 2, 0.5, 0.5, -2, 0, 1, 0, 0.3};
-  const Field f = sdfgrid::make_field("bezier", {{"points", v}, {"radius", 0.1}});
   std::mt19937 random(23);
   std::uniform_real_distribution<double> unit(-1.5, 1.5);
-  for (int i = 0; i < 300; ++i) {
-    const Vec p(unit(random), unit(random), unit(random));
-    double nearest = 1e9;
+  const std::vector<std::vector<double>> curves = {{-1, 0, 0, -0.5, 2, 0.5, 0.5, -2, 0, 1, 0, 0.3},
+                                                   {-1, 0, 0, -0.5, 1, 0, 0.5, 1, 0, 1, 0, 0},
+                                                   {-1.5, 0, 0, -0.5, 0, 0, 0.5, 0, 0, 1.5, 0, 0}};
+  for (const std::vector<double>& v : curves) {
+    const Field f = sdfgrid::make_field("bezier", {{"points", v}, {"radius", 0.1}});
+    std::vector<Vec> core;
+    sdfgrid::Box box;
     for (int k = 0; k <= 20000; ++k) {
       const double t = k / 20000.0;
       const double s = 1 - t;
       const double w[4] = {s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t};
       Vec c(0);
       for (int j = 0; j < 4; ++j) c += w[j] * Vec(v[3 * j], v[3 * j + 1], v[3 * j + 2]);
-      nearest = std::fmin(nearest, norm(p - c));
+      core.push_back(c);
+      box.add(c);
     }
-    ASSERT_NEAR(f(glm::vec3(p)), nearest - 0.1, 2e-6);
+    for (int i = 0; i < 400; ++i) {
+      const Vec p = i < 150 ? Vec(unit(random), unit(random), unit(random))
+                            : Vec(random() % 25, random() % 25, random() % 9) / 8.0 - 1.5;
+      double nearest = 1e9;
+      for (const Vec& c : core) nearest = std::fmin(nearest, norm(p - c));
+      ASSERT_NEAR(f(glm::vec3(p)), nearest - 0.1, 2e-6) << p.x << " " << p.y << " " << p.z;
+    }
+    for (int axis = 0; axis < 3; ++axis) {  // no larger than it must be
+      ASSERT_NEAR(f.bounds().lo[axis], box.lo[axis] - 0.1, 1e-6);
+      ASSERT_NEAR(f.bounds().hi[axis], box.hi[axis] + 0.1, 1e-6);
+    }
   }
 }
 

@@ -181,6 +181,95 @@ TEST(Scene, NewerFormatsAreReadAsFarAsTheyAreKnown) {
   EXPECT_EQ(file.scene.nodes.size(), 1U);
 }
 
+// What is left out may not turn the rest into another solid.
+TEST(Scene, NodesThatNeedAnUnknownOneAreLeftOutWithIt) {
+  const auto nodes = [](const std::string& scene) {
+    return parse_scene("sdfgrid: 1\nscene: " + scene + "\n", "s").scene.nodes;
+  };
+  EXPECT_TRUE(nodes("{difference: [{spere: {}}, {box: {}}]}").empty());
+  EXPECT_TRUE(nodes("{morph: {of: [{sphere: {}}, {bocks: {}}]}}").empty());
+  EXPECT_EQ(nodes("{difference: [{box: {}}, {spere: {}}]}").size(), 1U);
+  EXPECT_EQ(nodes("{union: [{spere: {}}, {box: {}}]}").size(), 1U);
+}
+
+// A cube from a file, with what is made of it.
+class SceneOfCube : public testing::Test {
+ protected:
+  Field field(const std::string& scene) {
+    const std::string path = folder_.write("s.yaml", "sdfgrid: 1\nscene: " + scene + "\n");
+    return build_scene(read_scene(path).scene, path, 0, Job()).field;
+  }
+  std::string refusal(const std::string& scene) {
+    try {
+      (void)field(scene);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      return error.what();
+    }
+    return "";
+  }
+
+  test::Folder folder_;
+  std::string cube_ = folder_.write("cube.off", test::cube_off());
+  std::string mesh_ = "{mesh: {file: cube.off, dim: 48}}";
+};
+
+TEST_F(SceneOfCube, OffsetsAndShellsAreWhereTheySay) {
+  for (const double by : {-0.4, -0.05, 0.05, 0.6}) {
+    const Field grown = field(fmt::format("{{offset: {{by: {}, of: {}}}}}", by, mesh_));
+    const auto face = static_cast<float>(1 + by);
+    EXPECT_NEAR(grown({face, 0.5F, 0.5F}), 0, 1e-5) << by;
+    EXPECT_GT(grown({face + 0.01F, 0.5F, 0.5F}), 0.004) << by;
+    EXPECT_LT(grown({face - 0.01F, 0.5F, 0.5F}), -0.004) << by;
+  }
+  // Not the box around it: rounded at an edge.
+  const Field grown = field("{offset: {by: 0.5, of: " + mesh_ + "}}");
+  EXPECT_GT(grown({1.45F, 1.45F, 0.5F}), 0);
+  EXPECT_NEAR(grown({1.35355F, 1.35355F, 0.5F}), 0, 0.01);
+  const Field shell =
+      field("{shell: {thickness: 0.2, of: {mesh: {file: cube.off, dim: 48}, scale: 2}}}");
+  for (const float wall : {1.9F, 2.1F}) EXPECT_NEAR(shell({wall, 1, 1}), 0, 1e-5);
+  EXPECT_LT(shell({2, 1, 1}), -0.02);
+  EXPECT_GT(shell({1.8F, 1, 1}), 0.01);
+}
+
+TEST_F(SceneOfCube, StandsUnderOpsThatLookBeyondIt) {
+  const std::string ball = "{sphere: {radius: 0.5}, at: [2.2, 0.5, 0.5]}";
+  const Field smooth = field("{smooth_union: {k: 1.6, of: [" + mesh_ + ", " + ball + "]}}");
+  EXPECT_LT(smooth({1.35F, 0.5F, 0.5F}), 0);  // between the two
+  const Box box = smooth.bounds();            // not that of the band, which is 1.6 wide
+  EXPECT_TRUE(box.lo.x > -0.5 && box.hi.x < 3.2) << box.lo.x << " " << box.hi.x;
+  const Box own = field(mesh_).bounds();
+  EXPECT_NEAR(own.hi.x, 1, 0.05);
+  EXPECT_GE(own.hi.x, 1);
+  const Field many = field("{repeat: {cell: [4, 4, 0], of: " + mesh_ + "}}");
+  EXPECT_LT(many({4.5F, 4.5F, 0.5F}), 0);
+  EXPECT_GT(many({2.5F, 0.5F, 0.5F}), 0.5);
+}
+
+TEST_F(SceneOfCube, GridsWithTooNarrowABandAreRefused) {
+  ConvertOptions options;
+  options.dim = 48;
+  write_grid(convert_mesh(read_mesh(cube_, Job()).soup, options, Job()).grid,
+             folder_.path("cube.vdb"));
+  EXPECT_EQ(refusal("{offset: {by: 0.03, of: {grid: {file: cube.vdb}}}}"), "");
+  const std::string message = refusal("{offset: {by: 0.5, of: {grid: {file: cube.vdb}}}}");
+  EXPECT_NE(message.find("cube.vdb"), std::string::npos) << message;
+  EXPECT_NE(message.find("--width"), std::string::npos) << message;
+}
+
+TEST_F(SceneOfCube, NormalsHoldFarFromTheOrigin) {
+  const std::string far = "at: [20000, -30000, 0]";
+  const Field there = field("{mesh: {file: cube.off, dim: 48}, " + far + "}");
+  const ValueGradient top = there.gradient({20000.4, -29999.3, 1.02});
+  EXPECT_NEAR(top.value, 0.02, 0.01);
+  EXPECT_LT(std::fabs(top.gradient.x) + std::fabs(top.gradient.y), 1e-3);
+  EXPECT_GT(top.gradient.z, 0.5);
+  const Field cloud = field("{points: {points: [[0, 0, 0], [9, 0, 0]], radius: 0.1}, " + far + "}");
+  const ValueGradient side = cloud.gradient({20009, -30000, 0.125});
+  EXPECT_NEAR(side.gradient.z, 1, 1e-3);
+}
+
 TEST(Scene, FilesAreRelativeToIt) {
   const test::Folder folder;
   const std::string mesh = folder.write("cube.off", test::cube_off());
