@@ -1,6 +1,9 @@
 // sdfgrid shapes: the words of scene files, from the list of ops.
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string_view>
+#include <vector>
 
 #include "command.h"
 #include "options.h"
@@ -8,6 +11,7 @@
 #include "sdfgrid/core/words.h"
 #include "sdfgrid/field/field.h"
 #include "sdfgrid/field/formula.h"
+#include "sdfgrid/scene/words.h"
 
 namespace sdfgrid::cli {
 namespace {
@@ -72,7 +76,7 @@ const char* name_of(ParameterKind kind) {
 std::string traits(const Parameter& p) {
   std::string text = name_of(p.kind);
   if (*p.unit != 0) text += fmt::format(", {}", p.unit);
-  if (p.kind == ParameterKind::text) return text;
+  if (p.kind == ParameterKind::text) return std::isnan(p.fallback[0]) ? text + ", required" : text;
   constexpr double kAnyNumber = 1e9;
   if (p.lo > -kAnyNumber) text += fmt::format(", at least {:g}", p.lo);
   if (p.hi < kAnyNumber) text += fmt::format(", at most {:g}", p.hi);
@@ -86,6 +90,21 @@ std::string traits(const Parameter& p) {
   }
   const bool one = p.kind == ParameterKind::number || p.kind == ParameterKind::whole;
   return one ? text + fmt::format(", default {:g}", p.fallback[0]) : text;
+}
+
+// Whether the example needs a file beside it, so that there is no picture of it.
+bool takes_file(const OpEntry& op) {
+  return std::any_of(op.parameters.begin(), op.parameters.end(),
+                     [](const Parameter& p) { return std::string_view(p.name) == "file"; });
+}
+
+// All words of nodes, ordered by their roles.
+std::vector<OpEntry> words() {
+  std::vector<OpEntry> all(op_list().begin(), op_list().end());
+  all.insert(all.end(), scene_words().begin(), scene_words().end());
+  std::stable_sort(all.begin(), all.end(),
+                   [](const OpEntry& a, const OpEntry& b) { return a.info->role < b.info->role; });
+  return all;
 }
 
 // The op beside whose parameters the functions stand that all formulas may call.
@@ -133,8 +152,9 @@ void print(const OpEntry& op, Context& context) {
 }
 
 void print_markdown(const OpEntry& op, Context& context) {
-  context.print("### {0}\n\n![{0}](images/shapes/{0}.png)\n\n{1} Distance: {2}.\n", op.info->name,
-                op.info->text, name_of(op.info->guarantee));
+  context.print("### {}\n", op.info->name);
+  if (!takes_file(op)) context.print("![{0}](images/shapes/{0}.png)\n", op.info->name);
+  context.print("{} Distance: {}.\n", op.info->text, name_of(op.info->guarantee));
   if (*op.info->source != 0) context.print("Source: {}.\n", op.info->source);
   for (const Parameter& p : op.parameters) {
     context.print("- `{}`: {} ({})", p.name, p.text, traits(p));
@@ -151,7 +171,7 @@ void print_markdown(const OpEntry& op, Context& context) {
 void print_all(bool markdown, Context& context) {
   OpRole role = OpRole::leaf;
   bool first = true;
-  for (const OpEntry& op : op_list()) {
+  for (const OpEntry& op : words()) {
     if (markdown && (first || op.info->role != role)) {
       context.print("## {}{}\n",
                     op.info->role == OpRole::leaf          ? "Shapes"
@@ -167,11 +187,14 @@ void print_all(bool markdown, Context& context) {
   }
 }
 
-const OpEntry& find(const std::string& name) {
-  if (const OpEntry* op = find_op(name)) return *op;
-  std::vector<std::string> words;
-  for (const OpEntry& op : op_list()) words.emplace_back(op.info->name);
-  const std::string near = nearest_word(name, words);
+OpEntry find(const std::string& name) {
+  const std::vector<OpEntry> all = words();
+  const auto found = std::find_if(all.begin(), all.end(),
+                                  [&](const OpEntry& word) { return word.info->name == name; });
+  if (found != all.end()) return *found;
+  std::vector<std::string> names;
+  for (const OpEntry& op : all) names.emplace_back(op.info->name);
+  const std::string near = nearest_word(name, names);
   throw Error(ErrorKind::usage,
               fmt::format("there is no shape '{}'{}", name,
                           near.empty() ? "" : fmt::format(" (did you mean '{}'?)", near)));
@@ -180,12 +203,12 @@ const OpEntry& find(const std::string& name) {
 Exit run(const Options& options, Context& context) {
   if (options.name.empty()) {
     Json all = Json::array();
-    for (const OpEntry& op : op_list()) all.push_back(describe(op));
+    for (const OpEntry& op : words()) all.push_back(describe(op));
     context.result()["shapes"] = all;
     print_all(options.markdown, context);
     return Exit::done;
   }
-  const OpEntry& op = find(options.name);
+  const OpEntry op = find(options.name);
   context.result()["shapes"] = Json::array({describe(op)});
   if (options.example) {
     context.print("sdfgrid: 1\nscene:\n  - {{{}}}", op.info->example);

@@ -27,7 +27,9 @@ struct Offset {
       "offset",
       OpRole::range,
       OpGuarantee::bound,
-      "Grows a node by a length (shrinks it by a negative one): the solid within that distance.",
+      "Grows a node by a length (shrinks it by a negative one): the solid within that distance of "
+      "an "
+      "exact node, a grid or a mesh. Of a node whose distance is a bound it reaches further.",
       "offset: {by: 0.2, of: {box: {size: [1.4, 1, 0.6]}}}",
       "Hart 1996; exact for exact convex nodes"};
   static constexpr Parameter parameters[] = {length_of("by", 0.1, "how far outwards")};
@@ -47,7 +49,8 @@ struct Shell {
       "shell",
       OpRole::range,
       OpGuarantee::bound,
-      "The skin of a node: all points within half the thickness of its surface.",
+      "The skin of a node: all points within half the thickness of the surface of an exact node, a "
+      "grid or a mesh. Of a node whose distance is a bound it is thicker.",
       "intersection: [{shell: {thickness: 0.15, of: {sphere: {radius: 1}}}}, {plane: {normal: [1, "
       "0.4, 1]}}]",
       ""};

@@ -12,12 +12,11 @@
 #include "sdfgrid/grid/convert.h"
 #include "sdfgrid/mesh/read.h"
 #include "sdfgrid/scene/files.h"
+#include "sdfgrid/scene/words.h"
 #include "sdfgrid/trace/grid_sampler.h"
 
 namespace sdfgrid {
 namespace {
-
-constexpr int kMeshDim = 256;  // voxels along a mesh's longest side, if not said
 
 class SceneBuilder {
  public:
