@@ -31,8 +31,7 @@ inline Interval everything() { return {-kInfinity, kInfinity}; }
 
 inline Interval widened(double lo, double hi, double slack = kFloatSlack) {
   if (!(lo <= hi)) return everything();  // NaN, of infinities
-  return {lo * (lo > 0 ? 1 - slack : 1 + slack) - 1e-37,
-          hi * (hi > 0 ? 1 + slack : 1 - slack) + 1e-37};
+  return {lo * (1 - std::copysign(slack, lo)) - 1e-37, hi * (1 + std::copysign(slack, hi)) + 1e-37};
 }
 inline Interval hull(const Interval& a, const Interval& b) {
   return {lesser(a.lo, b.lo), greater(a.hi, b.hi)};
@@ -108,9 +107,7 @@ inline Interval max(const Interval& a, const Interval& b) {
   return {greater(a.lo, b.lo), greater(a.hi, b.hi)};
 }
 inline Interval abs(const Interval& a) {
-  if (a.lo >= 0) return a;
-  if (a.hi <= 0) return -a;
-  return {0, magnitude(a)};
+  return {greater(greater(a.lo, -a.hi), 0), greater(-a.lo, a.hi)};
 }
 inline Interval sign(const Interval& a) { return {a.lo < 0 ? -1.0 : 1.0, a.hi < 0 ? -1.0 : 1.0}; }
 inline Interval square(const Interval& a) {
@@ -119,6 +116,23 @@ inline Interval square(const Interval& a) {
 }
 inline Interval sqrt(const Interval& a) {
   return widened(std::sqrt(greater(a.lo, 0)), std::sqrt(greater(a.hi, 0)));
+}
+// As sqrt(square(x) + ...), widened once, not at each step: floats round such a sum three times, of
+// which the root keeps half, and the root once more.
+inline Interval root_of_squares(double lo, double hi) {
+  return widened(std::sqrt(greater(lo - 1e-36, 0)), std::sqrt(hi + 1e-36));
+}
+inline Interval length(const Interval& x, const Interval& y) {
+  const Interval u = abs(x);
+  const Interval v = abs(y);
+  return root_of_squares(u.lo * u.lo + v.lo * v.lo, u.hi * u.hi + v.hi * v.hi);
+}
+inline Interval length(const Interval& x, const Interval& y, const Interval& z) {
+  const Interval u = abs(x);
+  const Interval v = abs(y);
+  const Interval w = abs(z);
+  return root_of_squares(u.lo * u.lo + v.lo * v.lo + w.lo * w.lo,
+                         u.hi * u.hi + v.hi * v.hi + w.hi * w.hi);
 }
 inline Interval floor(const Interval& a) { return {std::floor(a.lo), std::floor(a.hi)}; }
 inline Interval exp(const Interval& a) {

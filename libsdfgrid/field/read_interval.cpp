@@ -274,14 +274,25 @@ ValueRange Field::range(const Box& box) const {
   return {r.lo, r.hi};
 }
 
+namespace {
+
+// What is left of a program. Without unions by place, whose operands may have changed places, it
+// needs no more room on the stacks.
+Program part_of(const Program& whole, std::vector<Instruction> code) {
+  if (!whole.starts.empty()) return make_program(std::move(code), whole.pool);
+  return {std::move(code), whole.pool, whole.values, whole.points, whole.nesting, {}};
+}
+
+}  // namespace
+
 std::optional<Restricted> Field::restricted(const Box& box, std::size_t most, double upper) const {
   Pruning pruning(*program_, most, true);
   if (!pruning.over(box, upper)) return {};
   if (pruning.empty()) return Restricted{Field(), {upper, kInfinity}};
   const Interval range = pruning.range();
-  return Restricted{Field(std::make_shared<const Program>(
-                        make_program(std::move(pruning.code()), program_->pool))),
-                    {range.lo, range.hi}};
+  return Restricted{
+      Field(std::make_shared<const Program>(part_of(*program_, std::move(pruning.code())))),
+      {range.lo, range.hi}};
 }
 
 Field Field::pruned(const Box& box) const { return restricted(box)->field; }

@@ -81,6 +81,7 @@ void FieldMarch::run(Bundle& bundle, const Field& field, const MarchRules& rules
   const std::size_t groups = (stretches.size() + kLanes - 1) / kLanes;
   reset(bundle, rules, groups);
   if (packed_.size() < groups) packed_.resize(groups);
+  packed_depth_.assign(groups * kLanes, kInfinity);
   for (std::size_t i = 0; i < stretches.size(); i += kLanes) {
     add_group(stretches.subspan(i, std::min<std::size_t>(kLanes, stretches.size() - i)));
   }
@@ -91,9 +92,11 @@ void FieldMarch::run(Bundle& bundle, const Field& field, const MarchRules& rules
   reset(bundle, rules, bundle.rays.size());
   double from[kLanes];
   double to[kLanes];
+  double* depth = bundle.depth.data();
   for (const RayLanes& rays : bundle.rays) {
     kernel_.clip(rays, &box.lo.x, &box.hi.x, from, to);
-    begin(rays, from, to);
+    begin(rays, depth, from, to);
+    depth += kLanes;
   }
   run(field);
 }
@@ -110,18 +113,27 @@ void FieldMarch::run(const Field& field) {
   } else {
     trace(field, all);
   }
-  count_steps();
+  finish();
 }
 
 // A beam's evaluations are shared out among its rays.
-void FieldMarch::count_steps() {
+void FieldMarch::finish() {
   for (std::size_t group = 0; group < groups_in_use_; ++group) {
     const int led = beams_[group / kLanes].steps[group % kLanes];
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      const std::uint32_t ray = ray_of(group * kLanes + i);
+    const int shared = (led + kLanes / 2) / kLanes;
+    const std::int32_t* const steps = rays_[group].steps;
+    const std::size_t first = group * kLanes;
+    if (ray_of_.empty()) {
+      for (int i = 0; i < kLanes; ++i) {
+        bundle_->steps[first + i] += static_cast<std::uint32_t>(steps[i] + shared);
+      }
+      continue;
+    }
+    for (int i = 0; i < kLanes; ++i) {
+      const std::uint32_t ray = ray_of_[first + i];
       if (ray == kNoRay) break;
-      const int steps = rays_[group].steps[i] + (led + kLanes / 2) / kLanes;
-      bundle_->steps[ray] += static_cast<std::uint32_t>(steps);
+      bundle_->steps[ray] += static_cast<std::uint32_t>(steps[i] + shared);
+      bundle_->depth[ray] = std::min(bundle_->depth[ray], packed_depth_[first + i]);
     }
   }
 }
@@ -143,22 +155,19 @@ void FieldMarch::add_group(std::span<const Stretch> stretches) {
       rays.along[a][i] = lanes.along[a][s.ray % kLanes];
     }
   }
-  begin(rays, from, to);
+  begin(rays, packed_depth_.data() + groups_in_use_ * kLanes, from, to);
 }
 
 // The next group sets out.
-void FieldMarch::begin(const RayLanes& rays, const double* from, const double* to) {
+void FieldMarch::begin(const RayLanes& rays, double* depth, const double* from, const double* to) {
   const std::size_t group = groups_in_use_++;
   rays_[group].rays = &rays;
+  rays_[group].depth = depth;
   const GroupWay way = kernel_.begin(rays_[group], from, to);
   clear_[group] = way.clear;
   end_[group] = way.end;
   kernel_.beam(rays, axes_[group / kLanes], beams_[group / kLanes],
                static_cast<int>(group % kLanes));
-}
-
-std::uint32_t FieldMarch::ray_of(std::size_t lane) const {
-  return ray_of_.empty() ? static_cast<std::uint32_t>(lane) : ray_of_[lane];
 }
 
 // Brings all rays of the part to its end or to their hit. All of them are free up to its beginning.
@@ -217,7 +226,11 @@ void FieldMarch::trace(const Field& field, const Part& part) {
   if (beams) lead(field, t0, rule);
   list_ = groups_;
   steps(field, rays_, list_, rule, beams ? from_.data() : nullptr);
-  for (const std::uint32_t i : groups_) collect(i);
+  for (const std::uint32_t i : groups_) {
+    const GroupWay rest = kernel_.collect(rays_[i]);
+    clear_[i] = rest.clear;
+    end_[i] = rest.end;
+  }
 }
 
 // How far the beams of the groups come: from_, of each group.
@@ -298,20 +311,6 @@ FreeWays FieldMarch::ways_of(std::span<const std::uint32_t> list, const StepRule
     surface[k] = static_cast<float>(free);
   }
   return {ahead, surface, back};
-}
-
-// Takes the hits of a group, and what it has before it.
-void FieldMarch::collect(std::uint32_t group) {
-  RayGroup& g = rays_[group];
-  const GroupRest rest = kernel_.rest(g);
-  for (int i = 0; i < kLanes; ++i) {
-    if ((rest.hits >> i & 1U) == 0) continue;
-    double& depth = bundle_->depth[ray_of(std::size_t{group} * kLanes + i)];
-    depth = std::min(depth, g.base + double(g.hit[i]));
-    g.hit[i] = RayGroup::kNotHit;
-  }
-  clear_[group] = g.base + double(rest.clear);
-  end_[group] = g.base + double(rest.end);
 }
 
 }  // namespace sdfgrid

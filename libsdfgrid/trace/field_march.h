@@ -71,16 +71,14 @@ class FieldMarch {
 
   void reset(Bundle& bundle, const MarchRules& rules, std::size_t groups);
   void add_group(std::span<const Stretch> stretches);
-  void begin(const RayLanes& rays, const double* from, const double* to);
+  void begin(const RayLanes& rays, double* depth, const double* from, const double* to);
   void run(const Field& field);
   void march(const Field& field, const Part& part);
   void trace(const Field& field, const Part& part);
   void lead(const Field& field, double t0, StepRule rule);
   void steps(const Field& field, std::vector<RayGroup>& groups, std::vector<std::uint32_t>& list,
              const StepRule& rule, const float* from);
-  void collect(std::uint32_t group);
-  [[nodiscard]] std::uint32_t ray_of(std::size_t lane) const;
-  void count_steps();
+  void finish();
   [[nodiscard]] FreeWays ways_of(std::span<const std::uint32_t> list, const StepRule& rule,
                                  const float* values);
 
@@ -89,11 +87,13 @@ class FieldMarch {
   MarchRules rules_;
   // Never made smaller; lane i of beam j leads the group 16 j + i.
   std::vector<RayGroup> rays_, beams_;
-  std::vector<RayLanes> axes_;    // of the beams
-  std::vector<RayLanes> packed_;  // rays of groups that are not the bundle's own
+  std::vector<RayLanes> axes_;  // of the beams
   std::size_t groups_in_use_ = 0;
-  std::vector<double> clear_, end_;    // of each, GroupWay in columns
-  std::vector<std::uint32_t> ray_of_;  // of each lane; empty: lane i's is i
+  std::vector<double> clear_, end_;  // of each, GroupWay in columns
+  // Of groups that are not the bundle's own: their rays, depths, and whose these are.
+  std::vector<RayLanes> packed_;
+  std::vector<double> packed_depth_;
+  std::vector<std::uint32_t> ray_of_;
   std::vector<std::uint32_t> list_, groups_, beam_list_;
   std::vector<Column> columns_;
   std::vector<float> ways_, from_;

@@ -127,25 +127,34 @@ std::vector<glm::ivec2> blocks_of(const PixelSquare& square) {
 }
 
 void look(const PacketCamera& camera, std::span<const glm::ivec2> blocks, Bundle& bundle) {
+  const StepKernel& kernel = step_kernel();
   bundle.reset(blocks.size() * RayLanes::kLanes);
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    step_kernel().look(camera, blocks[i].x, blocks[i].y, bundle.rays[i]);
+    kernel.look(camera, blocks[i].x, blocks[i].y, bundle.rays[i]);
   }
 }
 
 // Blocks may lie partly beyond the picture.
 void write_results(const Bundle& bundle, std::span<const glm::ivec2> blocks, HitBuffer& hits) {
-  std::size_t i = 0;
+  const StepKernel& kernel = step_kernel();
+  const double* depth = bundle.depth.data();
+  const std::uint32_t* steps = bundle.steps.data();
   for (const glm::ivec2& block : blocks) {
-    for (int y = block.y; y < block.y + kSide; ++y) {
-      const std::size_t pixel = std::size_t(y) * hits.width + block.x;
-      const int width = y < hits.height ? std::min(kSide, hits.width - block.x) : 0;
-      for (int x = 0; x < width; ++x) {
-        hits.depth[pixel + x] = static_cast<float>(bundle.depth[i + x]);
-        hits.steps[pixel + x] = counted(bundle.steps[i + x]);
+    const int rows = std::min(kSide, hits.height - block.y);
+    const int columns = std::min(kSide, hits.width - block.x);
+    const std::size_t first = std::size_t(block.y) * hits.width + block.x;
+    if (rows == kSide && columns == kSide) {
+      kernel.write(depth, steps, &hits.depth[first], &hits.steps[first], hits.width);
+    } else {
+      for (int i = 0; i < rows * kSide; ++i) {
+        if (i % kSide >= columns) continue;
+        const std::size_t pixel = first + std::size_t(i / kSide) * hits.width + i % kSide;
+        hits.depth[pixel] = static_cast<float>(depth[i]);
+        hits.steps[pixel] = counted(steps[i]);
       }
-      i += kSide;
     }
+    depth += RayLanes::kLanes;
+    steps += RayLanes::kLanes;
   }
 }
 

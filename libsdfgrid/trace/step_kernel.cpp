@@ -262,19 +262,21 @@ int step(RayGroup* groups, std::uint32_t* list, int n, const StepRule& rule, con
   return left;
 }
 
-GroupRest rest(const RayGroup& g) {
-  const F16 clear = load(g.clear);
-  const F16 end = load(g.end);
-  const I16 more = clear < end;
-  GroupRest r{RayGroup::kNotHit, RayGroup::kNever, bits(load(g.hit) < RayGroup::kNotHit)};
-  if (!any(more)) return r;
-  const F16 least = select(more, clear, splat(r.clear));
-  const F16 most = select(more, end, splat(r.end));
-  for (int i = 0; i < kLanes; ++i) {
-    r.clear = least[i] < r.clear ? least[i] : r.clear;
-    r.end = most[i] > r.end ? most[i] : r.end;
+GroupWay collect(RayGroup& g) {
+  const F16 hit = load(g.hit);
+  const D16 base = splat16(g.base);
+  if (any(hit < RayGroup::kNotHit)) {
+    const D16 to = to_double(hit);
+    D16 depth = load16(g.depth);
+    for (int h = 0; h < kDoubleParts; ++h) {
+      const DPart found = to.part[h] + base.part[h];
+      const DPart nearer = min(found, depth.part[h]);
+      depth.part[h] = to.part[h] < RayGroup::kNotHit ? nearer : depth.part[h];
+    }
+    store16(g.depth, depth);
+    store(g.hit, splat(RayGroup::kNotHit));
   }
-  return r;
+  return way_of(to_double(load(g.clear)) + base, to_double(load(g.end)) + base);
 }
 
 // A box that grows, sixteen corners at a time.
@@ -308,22 +310,24 @@ struct Corners {
   }
 };
 
+alignas(64) constexpr double kCounting[kLanes] = {0, 1, 2,  3,  4,  5,  6,  7,
+                                                  8, 9, 10, 11, 12, 13, 14, 15};
+
 GroupRoom room(const RayGroup* beams, const double* clear, const double* end, int first, int last,
                double t0, double t1) {
   GroupRoom r{};
   Corners all;
   Corners far;
   for (int group = first / kLanes * kLanes; group < last; group += kLanes) {
-    double within[kLanes];
-    for (int i = 0; i < kLanes; ++i) {
-      within[i] = group + i >= first && group + i < last ? 1.0 : 0.0;
-    }
     const D16 from = max(load16(clear + group), splat16(t0));
     const D16 to = min(load16(end + group), splat16(t1));
-    D16 live = load16(within);
+    const D16 number = load16(kCounting) + splat16(group);
+    D16 live;
     DPart count = splat_part(0);
     for (int h = 0; h < kDoubleParts; ++h) {
-      live.part[h] = from.part[h] < to.part[h] ? live.part[h] : splat_part(0);
+      const DPart within =
+          number.part[h] >= first && number.part[h] < last ? splat_part(1) : splat_part(0);
+      live.part[h] = from.part[h] < to.part[h] ? within : splat_part(0);
       count += live.part[h];
     }
     double sum = 0;
@@ -343,9 +347,23 @@ GroupRoom room(const RayGroup* beams, const double* clear, const double* end, in
   return r;
 }
 
+void write(const double* depth, const std::uint32_t* steps, float* depths, std::uint16_t* counts,
+           long width) {
+  float near[kLanes];
+  std::uint16_t counted[kLanes];
+  store(near, to_float(load16(depth)));
+  for (int i = 0; i < kLanes; ++i) {
+    counted[i] = static_cast<std::uint16_t>(steps[i] < 0xffffU ? steps[i] : 0xffffU);
+  }
+  for (int row = 0; row < 4; ++row) {
+    __builtin_memcpy(depths + row * width, near + 4 * row, 4 * sizeof *depths);
+    __builtin_memcpy(counts + row * width, counted + 4 * row, 4 * sizeof *counts);
+  }
+}
+
 }  // namespace
 
 extern const StepKernel kStepKernel;
-const StepKernel kStepKernel = {look, clip, beam, begin, rebase, place, step, rest, room};
+const StepKernel kStepKernel = {look, clip, beam, begin, rebase, place, step, collect, room, write};
 
 }  // namespace sdfgrid::SDFGRID_ISA

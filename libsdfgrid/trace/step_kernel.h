@@ -33,6 +33,7 @@ struct alignas(64) RayGroup {
   static constexpr float kNotHit = 1e30F;
 
   const RayLanes* rays;
+  double* depth;            // of their first hits so far, not counted from the base; none of beams
   float origin[3][kLanes];  // its place at the base
   float direction[3][kLanes];
   float clear[kLanes];  // the way up to here is known to be free
@@ -66,12 +67,6 @@ struct FreeWays {
   const float* ahead;
   const float* surface;
   const float* back;
-};
-
-// What is left of a group.
-struct GroupRest {
-  float clear, end;    // of the lanes that go on the least and the largest; end < clear: none do
-  std::uint32_t hits;  // bit i: lane i, `hit` has where
 };
 
 // What a group's rays have before them: all are free up to `clear`; nothing if that is not before
@@ -110,11 +105,15 @@ struct StepKernel {
   // Takes in the values at the positions; then as place().
   int (*step)(RayGroup* groups, std::uint32_t* list, int n, const StepRule& rule,
               const float* values, const FreeWays& ways, float* const p[3]);
-  GroupRest (*rest)(const RayGroup& group);
+  // Lowers the depths of the group's rays to what they have hit; what is left before them.
+  GroupWay (*collect)(RayGroup& group);
   // Of the groups from `first` to before `last` between t0 and t1, lane i of beam j the beam of
   // group 16 j + i; ways in columns.
   GroupRoom (*room)(const RayGroup* beams, const double* clear, const double* end, int first,
                     int last, double t0, double t1);
+  // Depths and evaluations of 4 x 4 pixels into the rows of a picture that is `width` wide.
+  void (*write)(const double* depth, const std::uint32_t* steps, float* depths,
+                std::uint16_t* counts, long width);
 };
 
 // The kernel for this machine.
