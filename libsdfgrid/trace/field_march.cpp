@@ -26,6 +26,10 @@ double largest(const glm::dvec3& v) {
   return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
 }
 
+// How far before them places may be counted from: then they are rounded no more than coordinates
+// are.
+double grain_of(double coordinate) { return std::ldexp(1.0, std::ilogb(coordinate + 1e-30) + 1); }
+
 }  // namespace
 
 Span clip(const Ray& ray, const Box& box) {
@@ -82,6 +86,7 @@ void FieldMarch::run(Bundle& bundle, const Field& field, const MarchRules& rules
   reset(bundle, rules, groups);
   if (packed_.size() < groups) packed_.resize(groups);
   packed_depth_.assign(groups * kLanes, kInfinity);
+  if (groups > 0) grain_ = grain_of(reach_of(stretches.front()));
   for (std::size_t i = 0; i < stretches.size(); i += kLanes) {
     add_group(stretches.subspan(i, std::min<std::size_t>(kLanes, stretches.size() - i)));
   }
@@ -92,6 +97,7 @@ void FieldMarch::run(Bundle& bundle, const Field& field, const MarchRules& rules
   reset(bundle, rules, bundle.rays.size());
   double from[kLanes];
   double to[kLanes];
+  grain_ = grain_of(std::max(largest(box.lo), largest(box.hi)));
   double* depth = bundle.depth.data();
   for (const RayLanes& rays : bundle.rays) {
     kernel_.clip(rays, &box.lo.x, &box.hi.x, from, to);
@@ -111,7 +117,7 @@ void FieldMarch::run(const Field& field) {
   if (rules_.prune && field.size() > kShortProgram) {
     march(field, all);
   } else {
-    trace(field, all);
+    trace(field, all, grain_);
   }
   finish();
 }
@@ -136,6 +142,17 @@ void FieldMarch::finish() {
       bundle_->depth[ray] = std::min(bundle_->depth[ray], packed_depth_[first + i]);
     }
   }
+}
+
+// How far from zero the coordinates are where a stretch begins.
+double FieldMarch::reach_of(const Stretch& stretch) const {
+  const RayLanes& lanes = bundle_->rays[stretch.ray / kLanes];
+  const std::size_t i = stretch.ray % kLanes;
+  double far = 0;
+  for (int a = 0; a < 3; ++a) {
+    far = std::max(far, std::fabs(lanes.start[a][i] + stretch.from * lanes.along[a][i]));
+  }
+  return far;
 }
 
 // At most sixteen.
@@ -163,7 +180,7 @@ void FieldMarch::begin(const RayLanes& rays, double* depth, const double* from, 
   const std::size_t group = groups_in_use_++;
   rays_[group].rays = &rays;
   rays_[group].depth = depth;
-  const GroupWay way = kernel_.begin(rays_[group], from, to);
+  const GroupWay way = kernel_.begin(rays_[group], from, to, grain_);
   clear_[group] = way.clear;
   end_[group] = way.end;
   kernel_.beam(rays, axes_[group / kLanes], beams_[group / kLanes],
@@ -191,7 +208,8 @@ void FieldMarch::march(const Field& field, const Part& part) {
     const double nearest = rules_.sign > 0 ? here->range.lo : -here->range.hi;
     // All jump: whatever comes next starts at its end.
     if (nearest > 2 * rules_.tolerance * part.t1 + error) return;
-    if (last || here->field.size() <= kShortProgram) return trace(here->field, part);
+    if (last || here->field.size() <= kShortProgram)
+      return trace(here->field, part, grain_of(std::max(largest(box.lo), largest(box.hi))));
   }
   const Field left = here ? here->field : field;
   Part first = part;
@@ -205,27 +223,29 @@ void FieldMarch::march(const Field& field, const Part& part) {
   march(left, second);
 }
 
-// Steps of all rays of a part, from its beginning, up to where they are free, to its end.
-void FieldMarch::trace(const Field& field, const Part& part) {
+// Steps of all rays of a part, from its beginning, up to where they are free, to its end. Places
+// are counted from at most a grain before it, and from where they were if that will do.
+void FieldMarch::trace(const Field& field, const Part& part, double grain) {
   const auto [begin, end, t0, t1] = part;
   groups_.clear();
   for (std::uint32_t i = begin; i < end; ++i) {
     if (clear_[i] < t1 && t0 < end_[i]) groups_.push_back(i);
   }
   if (groups_.empty()) return;
-  const auto n = static_cast<int>(groups_.size());
-  kernel_.rebase(rays_.data(), groups_.data(), n, t0);
+  double base = rays_[groups_.front()].base;
+  if (!(base <= t0 && t0 - base <= grain)) base = grain * std::floor(t0 / grain);
+  kernel_.rebase(rays_.data(), groups_.data(), static_cast<int>(groups_.size()), base);
   StepRule rule{rules_.sign,
                 static_cast<float>(rules_.tolerance),
-                static_cast<float>(rules_.tolerance * t0),
+                static_cast<float>(rules_.tolerance * base),
                 0,
-                static_cast<float>(t1 - t0),
+                static_cast<float>(t1 - base),
                 rules_.relax,
                 rules_.convex};
-  const bool beams = rules_.beams && bundle_->size >= kLanes;  // one ray is its own beam
-  if (beams) lead(field, t0, rule);
+  from_.assign(groups_.size(), static_cast<float>(t0 - base));
+  if (rules_.beams && bundle_->size >= kLanes) lead(field, base, rule);  // one ray is its own beam
   list_ = groups_;
-  steps(field, rays_, list_, rule, beams ? from_.data() : nullptr);
+  steps(field, rays_, list_, rule, from_.data());
   for (const std::uint32_t i : groups_) {
     const GroupWay rest = kernel_.collect(rays_[i]);
     clear_[i] = rest.clear;
@@ -233,8 +253,8 @@ void FieldMarch::trace(const Field& field, const Part& part) {
   }
 }
 
-// How far the beams of the groups come: from_, of each group.
-void FieldMarch::lead(const Field& field, double t0, StepRule rule) {
+// How far the beams of the groups come: from_, of each group, which is where they begin at least.
+void FieldMarch::lead(const Field& field, double base, StepRule rule) {
   beam_list_.clear();
   for (const std::uint32_t i : groups_) {
     const std::uint32_t b = i / kLanes;
@@ -242,23 +262,25 @@ void FieldMarch::lead(const Field& field, double t0, StepRule rule) {
     beam_list_.push_back(b);
     std::fill_n(beams_[b].end, kLanes, RayGroup::kNever);
   }
-  kernel_.rebase(beams_.data(), beam_list_.data(), static_cast<int>(beam_list_.size()), t0);
-  for (const std::uint32_t i : groups_) {
+  kernel_.rebase(beams_.data(), beam_list_.data(), static_cast<int>(beam_list_.size()), base);
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    const std::uint32_t i = groups_[k];
     RayGroup& beam = beams_[i / kLanes];
     const std::uint32_t lane = i % kLanes;
-    beam.clear[lane] = beam.next[lane] = static_cast<float>(std::max(clear_[i] - t0, 0.0));
-    beam.end[lane] = static_cast<float>(end_[i] - t0);
+    beam.clear[lane] = beam.next[lane] = std::max(static_cast<float>(clear_[i] - base), from_[k]);
+    beam.end[lane] = static_cast<float>(end_[i] - base);
     beam.last[lane] = RayGroup::kNever;
     beam.slope[lane] = -1;
     beam.hit[lane] = RayGroup::kNotHit;
   }
   rule.convex = false;
   rule.share = kShare;
-  steps(field, beams_, beam_list_, rule, nullptr);
-  from_.clear();
-  for (const std::uint32_t i : groups_) {
-    const RayGroup& beam = beams_[i / kLanes];
-    from_.push_back(std::min(beam.clear[i % kLanes], beam.hit[i % kLanes]));
+  starts_.assign(beam_list_.size(), from_.front());
+  steps(field, beams_, beam_list_, rule, starts_.data());
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    const RayGroup& beam = beams_[groups_[k] / kLanes];
+    const std::uint32_t lane = groups_[k] % kLanes;
+    from_[k] = std::min(beam.clear[lane], beam.hit[lane]);
   }
 }
 

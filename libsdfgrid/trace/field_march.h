@@ -70,12 +70,13 @@ class FieldMarch {
   };
 
   void reset(Bundle& bundle, const MarchRules& rules, std::size_t groups);
+  [[nodiscard]] double reach_of(const Stretch& stretch) const;
   void add_group(std::span<const Stretch> stretches);
   void begin(const RayLanes& rays, double* depth, const double* from, const double* to);
   void run(const Field& field);
   void march(const Field& field, const Part& part);
-  void trace(const Field& field, const Part& part);
-  void lead(const Field& field, double t0, StepRule rule);
+  void trace(const Field& field, const Part& part, double grain);
+  void lead(const Field& field, double base, StepRule rule);
   void steps(const Field& field, std::vector<RayGroup>& groups, std::vector<std::uint32_t>& list,
              const StepRule& rule, const float* from);
   void finish();
@@ -89,6 +90,7 @@ class FieldMarch {
   std::vector<RayGroup> rays_, beams_;
   std::vector<RayLanes> axes_;  // of the beams
   std::size_t groups_in_use_ = 0;
+  double grain_ = 1;                 // of the places of groups that set out
   std::vector<double> clear_, end_;  // of each, GroupWay in columns
   // Of groups that are not the bundle's own: their rays, depths, and whose these are.
   std::vector<RayLanes> packed_;
@@ -96,7 +98,7 @@ class FieldMarch {
   std::vector<std::uint32_t> ray_of_;
   std::vector<std::uint32_t> list_, groups_, beam_list_;
   std::vector<Column> columns_;
-  std::vector<float> ways_, from_;
+  std::vector<float> ways_, from_, starts_;
 };
 
 }  // namespace sdfgrid

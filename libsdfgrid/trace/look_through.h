@@ -23,7 +23,7 @@ inline void look_through(const PacketCamera& camera, int x, int y, int size, D16
                    splat16(camera.down[a]) * load16(row);
     square = square + direction[a] * direction[a];
   }
-  const D16 scale = splat16(1) / sqrt(square);
+  const D16 scale = inverse_root(square);
   for (D16& d : direction) d = d * scale;
 }
 

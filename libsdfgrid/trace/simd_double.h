@@ -77,6 +77,33 @@ inline D16 sqrt(const D16& a) {
   });
 }
 
+// The inverse of a, and of its root (a > 0), in full precision. The machine's own division and root
+// take 16 to 31 cycles a part with AVX-512, an estimate of 14 bits and two steps of Newton's method
+// a few.
+inline D16 inverse(const D16& a) {
+#if defined(__AVX512F__)
+  return each_part([&](int i) {
+    const DPart r = (DPart)_mm512_rcp14_pd((__m512d)a.part[i]);
+    const DPart s = r + r * (1 - a.part[i] * r);
+    return s + s * (1 - a.part[i] * s);
+  });
+#else
+  return splat16(1) / a;
+#endif
+}
+inline D16 inverse_root(const D16& a) {
+#if defined(__AVX512F__)
+  return each_part([&](int i) {
+    const DPart half = 0.5 * a.part[i];
+    const DPart r = (DPart)_mm512_rsqrt14_pd((__m512d)a.part[i]);
+    const DPart s = r + r * (0.5 - half * r * r);
+    return s + s * (0.5 - half * s * s);
+  });
+#else
+  return splat16(1) / sqrt(a);
+#endif
+}
+
 // Two halves as one, in registers: a load of what two stores have just written waits for both.
 #if defined(__AVX512F__)
 inline F16 joined(FHalf low, FHalf high) {

@@ -34,10 +34,10 @@ void clip(const RayLanes& rays, const double lo[3], const double hi[3], double* 
       const DPart least = d < 0 ? splat_part(-1e-200) : splat_part(1e-200);
       d = (d < 0 ? -d : d) < 1e-200 ? least : d;
     }
-    const D16 inverse = splat16(1) / along;
+    const D16 inverted = inverse(along);
     const D16 start = load16(rays.start[a]);
-    const D16 t0 = (splat16(lo[a]) - start) * inverse;
-    const D16 t1 = (splat16(hi[a]) - start) * inverse;
+    const D16 t0 = (splat16(lo[a]) - start) * inverted;
+    const D16 t1 = (splat16(hi[a]) - start) * inverted;
     near = max(min(t0, t1), near);
     far = min(max(t0, t1), far);
   }
@@ -94,11 +94,11 @@ inline GroupWay way_of(const D16& from, const D16& to) {
   return way;
 }
 
-GroupWay begin(RayGroup& g, const double* from, const double* to) {
+GroupWay begin(RayGroup& g, const double* from, const double* to, double grain) {
   const D16 starts = load16(from);
   const D16 ends = load16(to);
   const GroupWay way = way_of(starts, ends);
-  g.base = way.clear < way.end ? way.clear : 0;
+  g.base = way.clear < way.end ? grain * __builtin_floor(way.clear / grain) : 0;
   const D16 base = splat16(g.base);
   for (int a = 0; a < 3; ++a) {
     const D16 along = load16(g.rays->along[a]);
@@ -132,13 +132,21 @@ void rebase(RayGroup* groups, const std::uint32_t* list, int n, double base) {
     }
     const auto shift = static_cast<float>(base - g.base);
     g.base = base;
-    const F16 clear = at_least(load(g.clear) - shift, 0.0F);
-    store(g.clear, clear);
-    store(g.next, max(load(g.next) - shift, clear));
+    store(g.clear, load(g.clear) - shift);
+    store(g.next, load(g.next) - shift);
     store(g.end, load(g.end) - shift);
     store(g.last, load(g.last) - shift);
     store(g.width, load(g.width) + shift * load(g.widening));
   }
+}
+
+// To about four digits, for guesses only.
+inline F16 about(F16 a, F16 over) {
+#if defined(__AVX512F__)
+  return a * (F16)_mm512_rcp14_ps((__m512)over);
+#else
+  return a / over;
+#endif
 }
 
 // A group's lanes that go on before the limit.
@@ -155,14 +163,10 @@ int place(RayGroup* groups, std::uint32_t* list, int n, const float* from, float
   int left = 0;
   for (int k = 0; k < n; ++k) {
     RayGroup& g = groups[list[k]];
-    F16 clear = load(g.clear);
-    F16 next = load(g.next);
-    if (from != nullptr) {
-      clear = at_least(clear, from[k]);
-      next = max(next, clear);
-      store(g.clear, clear);
-      store(g.next, next);
-    }
+    const F16 clear = at_least(load(g.clear), from[k]);
+    const F16 next = max(load(g.next), clear);
+    store(g.clear, clear);
+    store(g.next, next);
     if (!any(going_on(clear, load(g.end), limit))) continue;
     write_place(g, next, p, left * kLanes);
     list[left++] = list[k];
@@ -191,7 +195,7 @@ inline F16 smoothed_slope(const RayGroup& g, F16 t, F16 r, F16 last, F16 value) 
   const I16 known = last > 0.5F * RayGroup::kNever;
   const F16 slope = load(g.slope);
   const F16 now =
-      at_most(at_least((r - value) / select(known, t - last, splat(1.0F)), -1.0F), 0.99F);
+      at_most(at_least(about(r - value, select(known, t - last, splat(1.0F))), -1.0F), 0.99F);
   return select(known, slope + kMomentum * (now - slope), slope);
 }
 
@@ -226,7 +230,7 @@ inline I16 step_group(RayGroup& g, const StepRule& rule, const F16 (&p)[3], F16 
   F16 next = free;
   if (rule.relax && !rule.convex) {
     const F16 slope = smoothed_slope(g, t, r, last, before);
-    next = t + 2.0F * ahead.way / (1.0F - slope);
+    next = t + about(2.0F * ahead.way, 1.0F - slope);
     store(g.slope, select(taken, slope, select(taken_back, splat(-1.0F), load(g.slope))));
   }
   // Beyond the limit this program does not hold, beyond the end no local bound: only what is

@@ -32,8 +32,7 @@ struct alignas(64) RayGroup {
   static constexpr float kNever = -1e30F;
   static constexpr float kNotHit = 1e30F;
 
-  const RayLanes* rays;
-  double* depth;            // of their first hits so far, not counted from the base; none of beams
+  // Columns first, so that none lies across two lines of the cache.
   float origin[3][kLanes];  // its place at the base
   float direction[3][kLanes];
   float clear[kLanes];  // the way up to here is known to be free
@@ -48,6 +47,8 @@ struct alignas(64) RayGroup {
   float widening[kLanes];
   std::int32_t steps[kLanes];  // evaluations
   double base;
+  const RayLanes* rays;
+  double* depth;  // of their first hits so far, not counted from the base; none of beams
 };
 
 // What is the same for all lanes.
@@ -93,13 +94,13 @@ struct StepKernel {
   // that of `axes` its axis.
   void (*beam)(const RayLanes& rays, RayLanes& axes, RayGroup& beams, int lane);
   // Sets out: the group's rays are known, and those are to be traced whose `from` is less than
-  // their `to`, between these.
-  GroupWay (*begin)(RayGroup& group, const double* from, const double* to);
-  // Counts places from `base` on. All rays of the groups must be free up to there.
+  // their `to`, between these. Places count from the last multiple of `grain` before them.
+  GroupWay (*begin)(RayGroup& group, const double* from, const double* to, double grain);
+  // Counts places from `base` on.
   void (*rebase)(RayGroup* groups, const std::uint32_t* list, int n, double base);
-  // Makes lanes free up to `from` (of each group of the list; null: no more than they are), and
-  // writes where those are to be evaluated whose groups have not all arrived at the limit. Those
-  // groups stay in the list; their number.
+  // Makes lanes free up to `from` (of each group of the list), and writes where those are to be
+  // evaluated whose groups have not all arrived at the limit. Those groups stay in the list; their
+  // number.
   int (*place)(RayGroup* groups, std::uint32_t* list, int n, const float* from, float limit,
                float* const p[3]);
   // Takes in the values at the positions; then as place().
