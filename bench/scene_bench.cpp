@@ -84,11 +84,15 @@ void trace(const Field& field, int repetitions) {
   const Camera camera = frame(field.bounds(), 512, 512);
   const char* const names[] = {"plain sphere tracing", "relaxed", "pruned", "relaxed and pruned",
                                "objects apart"};
-  const FieldTraceOptions options[] = {{false, false, false, false, false, false},
-                                       {true, false, false, false, false, false},
-                                       {false, false, true, false, false},
-                                       {true, false, true, false, false},
-                                       {}};
+  FieldTraceOptions plain = {.local_bounds = false, .objects = false, .convex = false};
+  plain.relax = plain.prune = plain.beams = false;
+  FieldTraceOptions relaxed = plain;
+  relaxed.relax = true;
+  FieldTraceOptions pruned = plain;
+  pruned.prune = pruned.beams = true;
+  FieldTraceOptions both = pruned;
+  both.relax = true;
+  const FieldTraceOptions options[] = {plain, relaxed, pruned, both, {}};
   for (int k = 0; k < 5; ++k) {
     const FieldTracer tracer(field, field.bounds(), options[k]);
     std::vector<double> seconds;

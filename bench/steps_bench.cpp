@@ -25,7 +25,12 @@ namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 int pixels = 512;  // a side
-constexpr FieldTraceOptions kPlain = {false, false, false, false, false, false};
+constexpr FieldTraceOptions kPlain = {.relax = false,
+                                      .local_bounds = false,
+                                      .prune = false,
+                                      .objects = false,
+                                      .convex = false,
+                                      .beams = false};
 
 struct Named {
   const char* name;

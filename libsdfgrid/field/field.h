@@ -131,7 +131,7 @@ class Field {
   // The field over one box, shorter where parts cannot matter there: the same bits at any point of
   // the box, anything elsewhere.
   [[nodiscard]] Field pruned(const Box& box) const;
-  // pruned() and range() at once; nothing if more than `most` instructions had to be looked at.
+  // pruned() and range() at once; nothing if a union by place has more than `most` to look at.
   // Where the value is at least `upper`, that of what is left may be another such.
   [[nodiscard]] std::optional<Restricted> restricted(
       const Box& box, std::size_t most = kAnyLength,

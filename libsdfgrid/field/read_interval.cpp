@@ -107,7 +107,7 @@ namespace {
 // looked at.
 class Pruning {
  public:
-  // Gives up when more than `most` instructions were looked at.
+  // Gives up when more than `most` instructions were looked at, where unions know boxes.
   Pruning(const Program& program, std::size_t most, bool writes)
       : program_(program), most_(most), writes_(writes) {}
 
@@ -117,7 +117,6 @@ class Pruning {
     points_.reserve(program_.points + 1);
     points_.push_back(intervals(box));
     if (program_.starts.empty()) {
-      if (program_.code.size() > most_) return false;
       if (writes_) code_.reserve(program_.code.size());
       for (const Instruction& at : program_.code) step(at);
     } else {
@@ -277,10 +276,16 @@ ValueRange Field::range(const Box& box) const {
 namespace {
 
 // What is left of a program. Without unions by place, whose operands may have changed places, it
-// needs no more room on the stacks.
+// needs no more room on the stacks. When little is left it is read through: that takes less than
+// looking at the boxes of its operands for each group of points again.
 Program part_of(const Program& whole, std::vector<Instruction> code) {
-  if (!whole.starts.empty()) return make_program(std::move(code), whole.pool);
-  return {std::move(code), whole.pool, whole.values, whole.points, whole.nesting, {}};
+  constexpr std::size_t kLittle = 256;
+  if (whole.starts.empty()) {
+    return {std::move(code), whole.pool, whole.values, whole.points, whole.nesting, {}};
+  }
+  Program left = make_program(std::move(code), whole.pool);
+  if (left.code.size() <= kLittle) left.starts.clear();
+  return left;
 }
 
 }  // namespace

@@ -22,15 +22,17 @@ Box box_of(const double (&lo)[3], const double (&hi)[3]) {
   return {{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
 }
 
-double largest(const glm::dvec3& v) {
-  return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
-}
-
 // How far before them places may be counted from: then they are rounded no more than coordinates
 // are.
 double grain_of(double coordinate) { return std::ldexp(1.0, std::ilogb(coordinate + 1e-30) + 1); }
 
 }  // namespace
+
+double reach(const Box& box) {
+  double far = 0;
+  for (int a = 0; a < 3; ++a) far = std::max({far, std::fabs(box.lo[a]), std::fabs(box.hi[a])});
+  return far;
+}
 
 Span clip(const Ray& ray, const Box& box) {
   Span s{0, kInfinity};
@@ -86,7 +88,10 @@ void FieldMarch::run(Bundle& bundle, const Field& field, const MarchRules& rules
   reset(bundle, rules, groups);
   if (packed_.size() < groups) packed_.resize(groups);
   packed_depth_.assign(groups * kLanes, kInfinity);
-  if (groups > 0) grain_ = grain_of(reach_of(stretches.front()));
+  if (groups > 0) {
+    const glm::dvec3 p = beginning(stretches.front());
+    grain_ = grain_of(reach({p, p}));
+  }
   for (std::size_t i = 0; i < stretches.size(); i += kLanes) {
     add_group(stretches.subspan(i, std::min<std::size_t>(kLanes, stretches.size() - i)));
   }
@@ -97,7 +102,7 @@ void FieldMarch::run(Bundle& bundle, const Field& field, const MarchRules& rules
   reset(bundle, rules, bundle.rays.size());
   double from[kLanes];
   double to[kLanes];
-  grain_ = grain_of(std::max(largest(box.lo), largest(box.hi)));
+  grain_ = grain_of(reach(box));
   double* depth = bundle.depth.data();
   for (const RayLanes& rays : bundle.rays) {
     kernel_.clip(rays, &box.lo.x, &box.hi.x, from, to);
@@ -144,15 +149,13 @@ void FieldMarch::finish() {
   }
 }
 
-// How far from zero the coordinates are where a stretch begins.
-double FieldMarch::reach_of(const Stretch& stretch) const {
+// Where a stretch begins.
+glm::dvec3 FieldMarch::beginning(const Stretch& stretch) const {
   const RayLanes& lanes = bundle_->rays[stretch.ray / kLanes];
   const std::size_t i = stretch.ray % kLanes;
-  double far = 0;
-  for (int a = 0; a < 3; ++a) {
-    far = std::max(far, std::fabs(lanes.start[a][i] + stretch.from * lanes.along[a][i]));
-  }
-  return far;
+  glm::dvec3 p;
+  for (int a = 0; a < 3; ++a) p[a] = lanes.start[a][i] + stretch.from * lanes.along[a][i];
+  return p;
 }
 
 // At most sixteen.
@@ -195,10 +198,11 @@ void FieldMarch::march(const Field& field, const Part& part) {
                    static_cast<int>(part.end), part.t0, part.t1);
   if (room.groups == 0) return;
   const Box all = box_of(room.lo, room.hi);
-  const double error = kFieldSlack * (largest(all.lo) + largest(all.hi));
+  const double error = 2 * kFieldSlack * reach(all);
   const Box box = {all.lo - error, all.hi + error};
   const double length = part.t1 - part.t0;
-  const bool along = length > largest(box_of(room.far_lo, room.far_hi).size());
+  const glm::dvec3 across = box_of(room.far_lo, room.far_hi).size();
+  const bool along = length > std::max({across.x, across.y, across.z});
   const bool single = part.end - part.begin == 1;
   const bool few =
       room.groups <= (along ? kFewAlong : kFewAcross) && field.size() <= kMostInstructions;
@@ -208,8 +212,9 @@ void FieldMarch::march(const Field& field, const Part& part) {
     const double nearest = rules_.sign > 0 ? here->range.lo : -here->range.hi;
     // All jump: whatever comes next starts at its end.
     if (nearest > 2 * rules_.tolerance * part.t1 + error) return;
-    if (last || here->field.size() <= kShortProgram)
-      return trace(here->field, part, grain_of(std::max(largest(box.lo), largest(box.hi))));
+    if (last || here->field.size() <= kShortProgram) {
+      return trace(here->field, part, grain_of(reach(box)));
+    }
   }
   const Field left = here ? here->field : field;
   Part first = part;

@@ -19,6 +19,9 @@ struct Span {
 };
 [[nodiscard]] Span clip(const Ray& ray, const Box& box);
 
+// The largest coordinate of a box, without its sign.
+[[nodiscard]] double reach(const Box& box);
+
 // A part of a ray, by its place in the bundle.
 struct Stretch {
   std::uint32_t ray;
@@ -70,7 +73,7 @@ class FieldMarch {
   };
 
   void reset(Bundle& bundle, const MarchRules& rules, std::size_t groups);
-  [[nodiscard]] double reach_of(const Stretch& stretch) const;
+  [[nodiscard]] glm::dvec3 beginning(const Stretch& stretch) const;
   void add_group(std::span<const Stretch> stretches);
   void begin(const RayLanes& rays, double* depth, const double* from, const double* to);
   void run(const Field& field);

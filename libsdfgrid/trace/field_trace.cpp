@@ -19,22 +19,39 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kTile = 64;          // pixels a side of a bundle
 constexpr int kBlock = 2 * kTile;  // of a square for which the program is pruned first
+// Objects are pruned together where a ray meets more than so many of their boxes, and the picture
+// has so many pixels for each instruction.
+constexpr double kCrowd = 2;
+constexpr std::size_t kPixels = 1024;
 
-double largest(const glm::dvec3& v) {
-  return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+double half_surface(const Box& box) {
+  const glm::dvec3 s = box.size();
+  return s.x * s.y + s.y * s.z + s.z * s.x;
+}
+
+// Of lines through a box so many meet one in it as its surface is of the box's (Cauchy): whether
+// those through the region meet many objects' boxes. Local bounds are of each object.
+bool is_crowd(const ObjectTree& tree, const Box& region) {
+  double surface = 0;
+  for (const ObjectTree::Object& object : tree.objects()) {
+    if (object.bounds) return false;
+    surface += half_surface(object.box);
+  }
+  return surface > kCrowd * half_surface(region);
 }
 
 }  // namespace
 
 FieldTracer::FieldTracer(const Field& field, const Box& region, FieldTraceOptions options)
     : field_(field), region_(region), options_(options) {
-  if (region.empty() || !std::isfinite(largest(region.lo)) || !std::isfinite(largest(region.hi))) {
+  if (region.empty() || !std::isfinite(reach(region))) {
     throw Error(ErrorKind::usage, "rays need a region with an end to be traced in");
   }
   if (options.objects) {
     std::vector<FieldPart> parts = parts_of(field);
     if (parts.size() > 1) {
       objects_ = std::make_unique<ObjectTree>(std::move(parts), region, options.local_bounds);
+      crowded_ = options.prune && is_crowd(*objects_, region);
     }
   }
   constexpr int kLevels = 5;
@@ -45,8 +62,9 @@ FieldTracer::~FieldTracer() = default;
 
 float FieldTracer::sign_at(const glm::dvec3& p) const { return field_(glm::vec3(p)) < 0 ? -1 : 1; }
 
-// `field` is what is left of the whole for these rays, `sign` its sign where they begin.
-void FieldTracer::trace(Bundle& bundle, const Field& field, double tolerance, float sign,
+// `field` is what is left of the whole for these rays, or null where objects are traced each by
+// itself; `sign` is its sign where they begin.
+void FieldTracer::trace(Bundle& bundle, const Field* field, double tolerance, float sign,
                         FieldMarch& march) const {
   MarchRules rules;
   rules.relax = options_.relax;
@@ -55,8 +73,8 @@ void FieldTracer::trace(Bundle& bundle, const Field& field, double tolerance, fl
   rules.bounds = bounds_.get();
   rules.tolerance = tolerance;
   rules.sign = sign;
-  if (objects_ && rules.sign > 0) return objects_->trace(bundle, rules, options_.convex, march);
-  march.run(bundle, field, rules, region_);
+  if (field == nullptr) return objects_->trace(bundle, rules, options_.convex, march);
+  march.run(bundle, *field, rules, region_);
 }
 
 namespace {
@@ -84,7 +102,8 @@ void FieldTracer::trace(std::span<const Ray> rays, double tolerance, std::span<f
   for (std::size_t i = 0; i < rays.size(); i += kBundle) {
     const std::size_t n = std::min(kBundle, rays.size() - i);
     bundle.set(rays.subspan(i, n));
-    trace(bundle, field_, tolerance, sign_at(rays[i].origin), march);
+    const float sign = sign_at(rays[i].origin);
+    trace(bundle, objects_ && sign > 0 ? nullptr : &field_, tolerance, sign, march);
     for (std::size_t k = 0; k < n; ++k) {
       depth[i + k] = static_cast<float>(bundle.depth[k]);
       if (!steps.empty()) steps[i + k] = counted(bundle.steps[k]);
@@ -178,7 +197,7 @@ Box FieldTracer::seen_through(const RayGenerator& generator, const glm::dvec3& e
     }
   }
   const double beam = kSide * glm::length(generator.right()) * glm::length(farthest);
-  const double slack = kFieldSlack * (largest(region_.lo) + largest(region_.hi)) + beam;
+  const double slack = 2 * kFieldSlack * reach(region_) + beam;
   box.lo = glm::max(box.lo, region_.lo) - slack;
   box.hi = glm::min(box.hi, region_.hi) + slack;
   return box;
@@ -194,6 +213,7 @@ HitBuffer FieldTracer::trace_primary(const Camera& camera, const Job& job) const
   const RayGenerator generator(camera);
   const double tolerance = 0.02 * glm::length(generator.right());
   const float sign = sign_at(camera.eye);
+  const bool together = !objects_ || sign < 0 || (crowded_ && field_.size() * kPixels <= pixels);
   const PacketCamera packets = packet_camera(generator, camera.eye);
   const int across = (camera.width + kBlock - 1) / kBlock;
   const int down = (camera.height + kBlock - 1) / kBlock;
@@ -205,14 +225,14 @@ HitBuffer FieldTracer::trace_primary(const Camera& camera, const Job& job) const
       const int right = std::min(left + kBlock, camera.width);
       const int bottom = std::min(top + kBlock, camera.height);
       const Box box = seen_through(generator, camera.eye, {left, top, right - left, bottom - top});
-      const Field here = options_.prune && !objects_ ? field_.pruned(box) : field_;
+      const Field here = options_.prune && together ? field_.pruned(box) : field_;
       for (int y = top; y < bottom; y += kTile) {
         job.checkpoint();
         for (int x = left; x < right; x += kTile) {
           const PixelSquare square{x, y, std::min(kTile, right - x), std::min(kTile, bottom - y)};
           const std::vector<glm::ivec2> blocks = blocks_of(square);
           look(packets, blocks, bundle);
-          trace(bundle, here, tolerance, sign, march);
+          trace(bundle, together ? &here : nullptr, tolerance, sign, march);
           write_results(bundle, blocks, hits);
         }
       }

@@ -3,7 +3,8 @@
 //
 // The parts of a union are objects of their own, met through a hierarchy of boxes (object_tree.h);
 // along a ray past a convex one its distance is a convex function, so that the next step goes to
-// where the line through the last two values ends, or nowhere. Of one object:
+// where the line through the last two values ends, or nowhere. Where a ray would meet the boxes of
+// several of them a picture has them pruned together, as one object. Of one object:
 //
 // Rays go in bundles that run close to each other. The space that a bundle runs through is divided
 // in two, again and again, along the rays or across them, and the program pruned on the way down:
@@ -33,7 +34,8 @@ struct FieldTraceOptions {
   bool relax = true;
   bool local_bounds = true;
   bool prune = true;
-  bool objects = true;  // the parts of a union each by itself, found through a tree of boxes
+  bool objects = true;  // parts of a union each by itself, found through a tree of boxes, where
+                        // a ray does not meet most of them
   bool convex = true;   // steps of objects that are convex follow the secant
   bool beams = true;    // rays beside each other go together as long as they are far from anything
 };
@@ -69,7 +71,7 @@ class FieldTracer {
 
  private:
   [[nodiscard]] float sign_at(const glm::dvec3& p) const;
-  void trace(Bundle& bundle, const Field& field, double tolerance, float sign,
+  void trace(Bundle& bundle, const Field* field, double tolerance, float sign,
              FieldMarch& march) const;
   [[nodiscard]] Box seen_through(const RayGenerator& generator, const glm::dvec3& eye,
                                  const PixelSquare& square) const;
@@ -79,6 +81,7 @@ class FieldTracer {
   FieldTraceOptions options_;
   std::unique_ptr<const LocalBounds> bounds_;  // of the whole; none where they would not help
   std::unique_ptr<const ObjectTree> objects_;  // none if the field is a single one
+  bool crowded_ = false;                       // they are so close that pruning serves better
 };
 
 }  // namespace sdfgrid

@@ -171,6 +171,16 @@ TEST(UnionTree, RestrictedToABoxItHasTheSameBits) {
   }
 }
 
+TEST(UnionTree, ALimitIsThatOfUnionsByPlaceOnly) {
+  Strewn strewn;
+  const Box box{glm::dvec3(-8), glm::dvec3(8)};
+  const std::vector<Field> nodes = strewn.exact_nodes(100);
+  EXPECT_FALSE(make_field("union", {}, nodes).restricted(box, 10).has_value());
+  const auto rest = make_field("intersection", {}, nodes).restricted(box, 10);
+  ASSERT_TRUE(rest.has_value());
+  EXPECT_GT(rest->field.size(), 10U);
+}
+
 TEST(UnionTree, ValuesDoNotDependOnWhatStandsBeside) {
   Strewn strewn;
   const Field all = make_field("union", {}, odd_nodes(strewn));

@@ -24,6 +24,16 @@ Ray through_pixel(const RayGenerator& rays, int i, int columns) {
 }
 
 constexpr float kNothing = std::numeric_limits<float>::infinity();
+constexpr FieldTraceOptions kPlain = {.relax = false,
+                                      .local_bounds = false,
+                                      .prune = false,
+                                      .objects = false,
+                                      .convex = false,
+                                      .beams = false};
+constexpr FieldTraceOptions kOnlyRelaxed = {
+    .local_bounds = false, .prune = false, .objects = false, .convex = false, .beams = false};
+// Of one object, whatever it is made of.
+constexpr FieldTraceOptions kWhole = {.objects = false, .convex = false};
 
 Field field_of(const std::string& nodes) {
   const SceneFile file = parse_scene("sdfgrid: 1\nscene: " + nodes, "test");
@@ -128,12 +138,14 @@ void expect_no_miss(const Field& field, const FieldTraceOptions& options, int co
 TEST(FieldTrace, MissesNoFirstHitOfAHostileScene) {
   const Field field = field_of(kHostile);
   expect_no_miss(field, {}, 30);
-  expect_no_miss(field, {false, false, false, false, false, false}, 8);
-  expect_no_miss(field, {true, false, false, false, false, false}, 8);
-  expect_no_miss(field, {false, false, false, false, false, true}, 8);
-  expect_no_miss(field, {false, true, true, false, false, false}, 8);
-  expect_no_miss(field, {true, true, true, false, false, true}, 8);
-  expect_no_miss(field, {true, true, true, true, false, false}, 8);
+  FieldTraceOptions led = kPlain;
+  led.beams = true;
+  for (const FieldTraceOptions& options :
+       {kPlain, kOnlyRelaxed, led,
+        FieldTraceOptions{.relax = false, .objects = false, .convex = false, .beams = false},
+        kWhole, FieldTraceOptions{.convex = false, .beams = false}}) {
+    expect_no_miss(field, options, 8);
+  }
 }
 
 // Objects that overlap, touch each other's boxes, and lie in rows.
@@ -158,8 +170,8 @@ Field many_objects() {
 TEST(FieldTrace, MissesNoFirstHitAmongManyObjects) {
   const Field field = many_objects();
   expect_no_miss(field, {}, 5);
-  expect_no_miss(field, {true, true, true, true, false, false}, 4);
-  expect_no_miss(field, {true, true, true, false, false, true}, 1);
+  expect_no_miss(field, {.convex = false, .beams = false}, 4);
+  expect_no_miss(field, kWhole, 1);
   const Field turned = make_field("rotate", {{"by", {10, 20, 30}}}, {field});
   expect_no_miss(make_field("union", {}, {turned, make_field("box")}), {}, 3);
 }
@@ -193,6 +205,44 @@ TEST(FieldTrace, SwitchesChangeTheWorkNotThePicture) {
       ASSERT_GE(truth, std::max(all.depth[i], other.depth[i]) - 0.2 * pixel * near);
     }
   }
+}
+
+// Rings that all reach through each other: those of a large picture are pruned together, those of a
+// small one met one by one. Few of them, beside each other, are met one by one in any.
+TEST(FieldTrace, ACrowdIsPrunedTogether) {
+  const auto rings = [](int count, double radius) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    std::vector<Field> nodes;
+    for (int i = 0; i < count; ++i) {
+      const auto angle = [&] { return 180 * unit(random); };
+      const Field ring = make_field("torus", {{"major", radius}, {"minor", 0.1 * radius}});
+      nodes.push_back(
+          make_field("translate", {{"by", {unit(random), unit(random), unit(random)}}},
+                     {make_field("rotate", {{"by", {angle(), angle(), angle()}}}, {ring})}));
+    }
+    return make_field("union", {}, nodes);
+  };
+  const auto same_work = [](const Field& field, int side) {
+    const Camera camera = frame(field.bounds(), side, side);
+    const auto picture = [&](const FieldTraceOptions& options) {
+      return FieldTracer(field, region_of(field), options).trace_primary(camera, Job());
+    };
+    const HitBuffer by_itself = picture({});
+    const HitBuffer whole = picture({.objects = false});
+    int apart = 0;
+    const double pixel = glm::length(RayGenerator(camera).right());
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      const double a = by_itself.depth[i];
+      const double b = whole.depth[i];
+      apart += a == b || std::fabs(a - b) < 0.2 * pixel * a ? 0 : 1;
+    }
+    EXPECT_LE(apart, 6);  // grazes
+    return by_itself.depth == whole.depth && by_itself.steps == whole.steps;
+  };
+  EXPECT_TRUE(same_work(rings(12, 1), 320));
+  EXPECT_FALSE(same_work(rings(12, 1), 96));
+  EXPECT_FALSE(same_work(rings(4, 0.2), 320));
 }
 
 // A picture whose size is no multiple of any block, on one thread and on several, and its rays
@@ -230,8 +280,7 @@ TEST(FieldTrace, APictureIsThatOfItsRays) {
 // The field evaluates far from its zero as at it: what decides is how places are rounded.
 TEST(FieldTrace, DepthIsPreciseFarFromTheCamera) {
   const FieldTracer tracer(field_of("[{sphere: {}}, {sphere: {}, at: [0, 0, 40]}]"),
-                           {glm::dvec3(-50), glm::dvec3(50)},
-                           {true, true, true, false, false, true});
+                           {glm::dvec3(-50), glm::dvec3(50)}, kWhole);
   std::vector<Ray> rays;
   rays.reserve(40);
   for (int i = 0; i < 40; ++i) rays.push_back({{0.02 * i, 0, -10000}, {0, 0, 1}});
@@ -282,8 +331,7 @@ TEST(FieldTrace, RelaxedStepsAreFewer) {
     for (const std::uint16_t n : hits.steps) sum += n;
     return sum;
   };
-  EXPECT_GT(mean({false, false, false, false, false, false}),
-            1.1 * mean({true, false, false, false, false, false}));
+  EXPECT_GT(mean(kPlain), 1.1 * mean(kOnlyRelaxed));
 }
 
 TEST(FieldTrace, TheSurfaceThatIsHitBringsItsMaterialAndNormal) {

@@ -158,9 +158,13 @@ std::size_t rays_asked() {
   return text != nullptr ? static_cast<std::size_t>(std::atoll(text)) : 20000;
 }
 
-TEST(Hostile, NoFirstHitIsMissed) {
+// All objects as one, which is pruned, or each by itself.
+class Hostile : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Objects, Hostile, testing::Bool());
+
+TEST_P(Hostile, NoFirstHitIsMissed) {
   const Scene scene = make_scene();
-  const FieldTracer tracer(scene.field, scene.region);
+  const FieldTracer tracer(scene.field, scene.region, {.objects = GetParam()});
   const std::size_t bundles = (rays_asked() + kBundle - 1) / kBundle;
   Tally tally;
   parallel_for(bundles, 1, Job(), [&](std::size_t begin, std::size_t end) {
