@@ -83,7 +83,7 @@ inline D16 sqrt(const D16& a) {
 inline D16 inverse(const D16& a) {
 #if defined(__AVX512F__)
   return each_part([&](int i) {
-    const DPart r = (DPart)_mm512_rcp14_pd((__m512d)a.part[i]);
+    const auto r = (DPart)_mm512_rcp14_pd((__m512d)a.part[i]);
     const DPart s = r + r * (1 - a.part[i] * r);
     return s + s * (1 - a.part[i] * s);
   });
@@ -95,7 +95,7 @@ inline D16 inverse_root(const D16& a) {
 #if defined(__AVX512F__)
   return each_part([&](int i) {
     const DPart half = 0.5 * a.part[i];
-    const DPart r = (DPart)_mm512_rsqrt14_pd((__m512d)a.part[i]);
+    const auto r = (DPart)_mm512_rsqrt14_pd((__m512d)a.part[i]);
     const DPart s = r + r * (0.5 - half * r * r);
     return s + s * (0.5 - half * s * s);
   });
