@@ -6,7 +6,9 @@
 #include "sdfgrid/field/build.h"
 #include "sdfgrid/field/formula.h"
 #include "sdfgrid/field/formulas.h"
+#include "sdfgrid/field/graph_profile.h"
 #include "sdfgrid/field/polynomial.h"
+#include "sdfgrid/field/smooth_interval.h"
 
 namespace sdfgrid::ops {
 namespace {
@@ -43,18 +45,24 @@ Field Formula::make(const std::vector<Argument>& given) {
 
 namespace {
 
-// An upper bound on a function of one variable over a range.
-double largest_over(const std::vector<float>& code, double from, double to) {
-  constexpr int kParts = 256;
+// An upper bound on a function of one variable over a range, and whether it is continuous there.
+struct Extent {
   double largest = -kInfinity;
+  bool continuous = true;
+};
+Extent extent_over(const std::vector<float>& code, double from, double to) {
+  constexpr int kParts = 256;
+  Extent all;
   for (int i = 0; i < kParts; ++i) {
     const double a = from + (to - from) * i / kParts;
     const double b = from + (to - from) * (i + 1) / kParts;
-    const Interval v = run_formula(Data{code.data(), static_cast<int>(code.size())},
-                                   Point<Interval>{Interval(a, b), Interval(0), Interval(0)});
-    largest = std::fmax(largest, v.hi);
+    using I = SmoothInterval;
+    const I f = run_formula(Data{code.data(), static_cast<int>(code.size())},
+                            Point<I>{I(Interval(a, b)), I(0), I(0)});
+    all.largest = std::fmax(all.largest, f.v.hi);
+    all.continuous = all.continuous && f.is.continuous;
   }
-  return largest;
+  return all;
 }
 
 // The exact form of a function's solid, if it has one.
@@ -102,7 +110,7 @@ Field Function::make(const std::vector<Argument>& given) {
     throw arguments.refused(
         fmt::format("`mode` is `{}`; give revolve_z, revolve_x or extrude", mode));
   }
-  const double largest = largest_over(code, from, to);
+  const auto [largest, continuous] = extent_over(code, from, to);
   if (!(largest < kAny)) throw arguments.refused("the function has no bound on its range");
   FunctionGraph shape{};
   shape.mode = static_cast<float>(found - kModes);
@@ -112,9 +120,25 @@ Field Function::make(const std::vector<Argument>& given) {
   shape.depth = static_cast<float>(arguments.number("depth"));
   shape.largest = static_cast<float>(largest);
   if (const std::optional<Field> closed = closed_form(code, shape)) return *closed;
-  const std::vector<float> constants = {shape.mode,   shape.from,  shape.to,
-                                        shape.bottom, shape.depth, shape.largest};
-  return bounded_by_region(info, make_leaf(op_number("function"), constants, code));
+  const Data data = {code.data(), static_cast<int>(code.size())};
+  const double low = shape.mode == 2 ? static_cast<double>(shape.bottom) : 0;
+  const std::optional<GraphProfile> profile =
+      make_graph_profile(data, {from, to, low, largest, shape.mode != 2});
+  if (!profile) {
+    if (!continuous) {
+      throw arguments.refused(
+          "`f` jumps where it oscillates or rises without end; give a range without that");
+    }
+    const std::vector<float> constants = {shape.mode,   shape.from,  shape.to,
+                                          shape.bottom, shape.depth, shape.largest};
+    const Field bound = make_leaf(op_number("function_bound"), constants, code);
+    return bounded_by_region(info, bound);
+  }
+  if (profile->count == 0) return {};
+  const std::vector<double> constants = {
+      shape.mode,  profile->from,    profile->to,          shape.bottom,
+      shape.depth, profile->largest, 1.0 * profile->count, 1.0 * profile->leaves};
+  return make_leaf(op_number("function"), {constants.begin(), constants.end()}, profile->list);
 }
 
 }  // namespace sdfgrid::ops

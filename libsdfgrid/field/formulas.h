@@ -8,6 +8,7 @@
 #include "sdfgrid/field/formula_code.h"
 #include "sdfgrid/field/parabola.h"
 #include "sdfgrid/field/parameters.h"
+#include "sdfgrid/field/profile.h"
 
 namespace sdfgrid {
 class Field;
@@ -108,19 +109,20 @@ Box graph_box(const Graph& g, double level) {
   return {glm::dvec3(lo, g.bottom - grow, -z), glm::dvec3(hi, g.largest + grow, z)};
 }
 
-// What is below the graph of a function of one variable.
+// What is below the graph of a function of one variable: its border is a chain of circular arcs.
 struct Function {
   static constexpr OpInfo info = {
       "function",
       OpRole::leaf,
-      OpGuarantee::computed,
+      OpGuarantee::exact,
       "The graph of a function f(x), revolved about x (revolve_x) or z (revolve_z, f of the "
-      "height) as "
-      "the radius there, or what is below it in y, extruded along z (extrude).",
+      "height) as the radius there, or what is below it in y, extruded along z (extrude). Kinks, "
+      "jumps and infinite slopes are taken as they are. A function that takes more than 32,768 "
+      "arcs has a bound only: divided by the largest sqrt(1 + f'^2). Poles are refused.",
       "function: {f: \"0.5 + 0.2*sin(4*x)\", mode: revolve_z, from: -1, to: 1}",
-      "constant, linear and quadratic f: exact, by the nearest point of the graph; others are "
-      "divided "
-      "by the largest sqrt(1 + f'^2) over the range"};
+      "constant, linear and quadratic f by the nearest point of a parabola's arc; others by "
+      "circular arcs (biarcs, K. M. Bolton 1975), proved by intervals to be within 1e-6 times the "
+      "lesser of length and height of the graph, at kinks and jumps within 4e-6 f"};
   static constexpr Parameter parameters[] = {
       {"f", ParameterKind::text, "length", {kRequired, 0, 0}, 0, 0, "of x (and t)"},
       {"mode",
@@ -135,11 +137,33 @@ struct Function {
       length_of("floor", -1, "extrude: the bottom, in y"),
       size("depth", 1, "extrude: along z"),
       number("t", 0, -kAny, kAny, "time; in scenes that of the frame unless said")};
-  static constexpr bool kList = true;
+  static constexpr bool kList = true;  // Profile
   static Field make(const std::vector<Argument>& arguments);
   float mode;  // 0 revolve_z, 1 revolve_x, 2 extrude
   float from, to, bottom, depth;
   float largest;  // of f over its range
+  float count, leaves;
+
+  template <class T>
+  T distance(const Point<T>& p, Data list) const {
+    const auto nodes = 2 * static_cast<int>(leaves);
+    const Profile profile = {list.values, list.values + kProfileBox * nodes,
+                             static_cast<int>(count), static_cast<int>(leaves)};
+    if (mode == 2) {
+      return rectangle_distance(profile_distance(profile, p.x, p.y), abs(p.z) - 0.5F * depth);
+    }
+    return mode == 0 ? profile_distance(profile, p.z, length(p.x, p.y))
+                     : profile_distance(profile, p.x, length(p.y, p.z));
+  }
+  Box bounds(Data, double level) const { return graph_box(*this, level); }
+};
+
+// The same by the formula itself, for functions that no chain of arcs comes near.
+struct FunctionBound {
+  static constexpr OpInfo info = {
+      "function_bound", OpRole::leaf, OpGuarantee::computed, "", "", "", false};
+  static constexpr bool kList = true;            // the formula's code
+  float mode, from, to, bottom, depth, largest;  // as Function
 
   template <class T>
   T distance(const Point<T>& p, Data code) const {
@@ -187,6 +211,6 @@ struct FunctionGraph {
   Box bounds(Data, double level) const { return graph_box(*this, level); }
 };
 
-using Formulas = OpList<Formula, FirstOrder, SecondOrder, Function, FunctionGraph>;
+using Formulas = OpList<Formula, FirstOrder, SecondOrder, Function, FunctionGraph, FunctionBound>;
 
 }  // namespace sdfgrid::ops

@@ -17,19 +17,46 @@ std::string glsl_number(double v) {
   return v < 0 || (v == 0 && std::signbit(v)) ? "(" + s + ")" : s;
 }
 
+namespace {
+
+// What drivers take for constants of a function.
+constexpr int kMostConstants = 4096;
+
+void check_count(int count, const char* of) {
+  if (count <= kMostConstants) return;
+  throw Error(ErrorKind::input, fmt::format("{} of {} numbers is too large for GLSL, which takes "
+                                            "{}; make it smaller or leave it out",
+                                            of, count, kMostConstants));
+}
+
+}  // namespace
+
 std::string TextSink::array(const float* values, int count) {
-  constexpr int kMost = 1024;
-  if (count > kMost) {
-    throw Error(ErrorKind::input, fmt::format("a picture of {} samples is too large for GLSL; make "
-                                              "it smaller than {}",
-                                              count, kMost));
-  }
+  check_count(count, "a picture");
   std::string& name = arrays[values];
   if (!name.empty()) return name;
   name = "a" + std::to_string(arrays.size());
   body += fmt::format("  const float {}[{}] = float[{}](", name, count, count);
   for (int i = 0; i < count; ++i) body += (i > 0 ? ", " : "") + glsl_number(values[i]);
   body += ");\n";
+  return name;
+}
+
+std::string TextSink::rows(const float* values, int width, int count) {
+  constexpr int kVectors = 3;
+  check_count(kVectors * count, "a graph");
+  std::string& name = arrays[values];
+  if (!name.empty()) return name;
+  name = "a" + std::to_string(arrays.size());
+  const int all = kVectors * count;
+  body += fmt::format("  const vec4 {}[{}] = vec4[{}](", name, all, all);
+  for (int i = 0; i < 4 * all; ++i) {
+    const int column = i % (4 * kVectors);
+    if (i % 4 == 0) body += i > 0 ? "), vec4(" : "vec4(";
+    body += i % 4 > 0 ? ", " : "";
+    body += column < width ? glsl_number(values[i / (4 * kVectors) * width + column]) : "0.0";
+  }
+  body += "));\n";
   return name;
 }
 

@@ -8,17 +8,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// The kernels' argument reduction loses absolute precision in proportion to the argument.
-Interval trigonometric_slack(double lo, double hi, const Interval& argument) {
-  const double slack = kFunctionSlack + magnitude(argument) * kFloatSlack;
-  return {std::fmax(lo - slack, -1 - kFunctionSlack), std::fmin(hi + slack, 1 + kFunctionSlack)};
-}
-
 }  // namespace
 
-Interval cos(const Interval& a) {
-  if (!(a.hi - a.lo < 2 * kPi) || magnitude(a) > 1e6)
-    return {-1 - kFunctionSlack, 1 + kFunctionSlack};
+Interval cos(const Interval& a, double slack) {
+  const Interval all(-1 - kFunctionSlack, 1 + kFunctionSlack);
+  if (!(a.hi - a.lo < 2 * kPi) || magnitude(a) > 1e6) return all;
   // Multiples of pi within [lo, hi]: even ones are maxima, odd ones minima.
   const double first = std::ceil(a.lo / kPi);
   const double last = std::floor(a.hi / kPi);
@@ -29,12 +23,17 @@ Interval cos(const Interval& a) {
     lo = even ? lo : -1;
     hi = even ? 1 : hi;
   }
-  return trigonometric_slack(lo, hi, a);
+  return {std::fmax(lo - slack, all.lo), std::fmin(hi + slack, all.hi)};
+}
+
+Interval cos(const Interval& a) {
+  // The kernels' argument reduction loses absolute precision in proportion to the argument.
+  return cos(a, kFunctionSlack + magnitude(a) * kFloatSlack);
 }
 
 Interval sin(const Interval& a) { return cos(Interval(a.lo - kPi / 2, a.hi - kPi / 2)); }
 
-Interval atan2(const Interval& y, const Interval& x) {
+Interval atan2(const Interval& y, const Interval& x, double slack) {
   const Interval all(-kPi - kFunctionSlack, kPi + kFunctionSlack);
   if (x.lo <= 0 && y.lo <= 0 && y.hi >= 0) return all;  // touches the cut
   double lo = kInfinity;
@@ -46,13 +45,16 @@ Interval atan2(const Interval& y, const Interval& x) {
       hi = std::fmax(hi, angle);
     }
   }
-  const Interval r(lo - kFunctionSlack * 4, hi + kFunctionSlack * 4);
+  const Interval r(lo - slack, hi + slack);
   return std::isnan(lo + hi) ? all : r;
 }
 
-Interval acos(const Interval& a) {
-  const Interval r(ops::acos(a.hi), ops::acos(a.lo));
-  return {r.lo - kFunctionSlack * 4, r.hi + kFunctionSlack * 4};
+Interval atan2(const Interval& y, const Interval& x) { return atan2(y, x, kFunctionSlack * 4); }
+
+Interval acos(const Interval& a, double slack) {
+  return {ops::acos(a.hi) - slack, ops::acos(a.lo) + slack};
 }
+
+Interval acos(const Interval& a) { return acos(a, kFunctionSlack * 4); }
 
 }  // namespace sdfgrid::ops

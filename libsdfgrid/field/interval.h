@@ -149,5 +149,9 @@ Interval cos(const Interval& a);
 Interval sin(const Interval& a);
 Interval atan2(const Interval& y, const Interval& x);
 Interval acos(const Interval& a);
+// Widened by so much instead.
+Interval cos(const Interval& a, double slack);
+Interval atan2(const Interval& y, const Interval& x, double slack);
+Interval acos(const Interval& a, double slack);
 
 }  // namespace sdfgrid::ops

@@ -13,6 +13,7 @@ struct Mask {
 inline Mask operator&(Mask a, Mask b) { return {a.m & b.m}; }
 inline Mask operator|(Mask a, Mask b) { return {a.m | b.m}; }
 inline Mask operator!(Mask a) { return {~a.m}; }
+inline bool any(Mask a) { return any(a.m); }
 
 struct Lanes {
   F16 v;
@@ -22,6 +23,7 @@ struct Lanes {
   Lanes(float a) : v(splat(a)) {}
 };
 
+inline float first_of(Lanes a) { return a.v[0]; }
 inline Lanes operator+(Lanes a, Lanes b) { return a.v + b.v; }
 inline Lanes operator-(Lanes a, Lanes b) { return a.v - b.v; }
 inline Lanes operator*(Lanes a, Lanes b) { return a.v * b.v; }

@@ -103,4 +103,30 @@ inline Lanes texel(const Texture& t, Lanes column, Lanes row) {
   return r;
 }
 
+// Of a profile, see profile.h: together where the points are near each other or the arcs few, else
+// one by one, for each would make all others look at what is near it alone.
+template <class Profile>
+inline Lanes profile_distance(const Profile& profile, Lanes u, Lanes r) {
+  float lo[2] = {u.v[0], r.v[0]};
+  float hi[2] = {u.v[0], r.v[0]};
+  for (int i = 1; i < kLanes; ++i) {
+    for (int a = 0; a < 2; ++a) {
+      const float c = a == 0 ? u.v[i] : r.v[i];
+      lo[a] = c < lo[a] ? c : lo[a];
+      hi[a] = c > hi[a] ? c : hi[a];
+    }
+  }
+  const float* box = profile.boxes + 4;  // of all
+  const float size = box[2] - box[0] + box[3] - box[1];
+  constexpr int kFew = 400;
+  if (profile.count < kFew || hi[0] - lo[0] + hi[1] - lo[1] < 0.1F * size) {
+    return searched_distance(profile, u, r);
+  }
+  F16 out;
+  for (int i = 0; i < kLanes; ++i) {
+    out[i] = searched_distance(profile, Lanes(u.v[i]), Lanes(r.v[i])).v[0];
+  }
+  return out;
+}
+
 }  // namespace sdfgrid::SDFGRID_ISA

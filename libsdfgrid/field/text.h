@@ -7,6 +7,7 @@
 
 #include "sdfgrid/field/dual.h"
 #include "sdfgrid/field/number.h"
+#include "sdfgrid/field/profile.h"
 #include "sdfgrid/field/texture.h"
 
 namespace sdfgrid::ops {
@@ -19,6 +20,8 @@ struct TextSink {
 
   // The name of an array of constants. Throws Error{input} for more than a shader holds.
   std::string array(const float* values, int count);
+  // The same of rows of at most twelve numbers, three vec4 each.
+  std::string rows(const float* values, int width, int count);
 
   // `type` is "float" or "bool"; gives the new name.
   std::string define(const char* type, const std::string& expression) {
@@ -120,6 +123,30 @@ inline Text texel(const Texture& t, const Text& column, const Text& row) {
   };
   return text_of(array + "[" + index(row, t.height) + " * " + std::to_string(t.width) + " + " +
                  index(column, t.width) + "]");
+}
+
+// A loop over all arcs; sides by the arcs above.
+inline Text profile_distance(const Profile& profile, const Text& u, const Text& r) {
+  TextSink& sink = *TextSink::current();
+  constexpr int kFloats = ProfileArc<Text>::kFloats;
+  const std::string array = sink.rows(profile.arcs, kFloats, profile.count);
+  const std::string best = sink.define("float", "1e36");
+  const std::string inside = sink.define("bool", "false");
+  sink.body += "  for (int i = 0; i < " + std::to_string(profile.count) + "; ++i) {\n";
+  auto next = [&, k = 0]() mutable {
+    const std::string row = "3 * i + " + std::to_string(k / 4);
+    return text_of(array + "[" + row + "]." + "xyzw"[k++ % 4]);
+  };
+  ProfileArc<Text> arc;
+  for (Text* c : {arc.a, arc.along, &arc.bend, arc.b, arc.leaving}) {
+    for (int i = 0; i < (c == &arc.bend ? 1 : 2); ++i) c[i] = next();
+  }
+  const Text nearest = select(arc.faces(u, r), square(arc.to_circle(u, r)), arc.end_square(u, r));
+  const TextMask above = arc.above(u, r);
+  sink.body += "  " + best + " = min(" + best + ", " + nearest.name + ");\n";
+  sink.body += "  if (" + above.name + ") " + inside + " = !" + inside + ";\n  }\n";
+  const Text d = sqrt(Text::named(best));
+  return select(TextMask{inside}, -d, d);
 }
 
 }  // namespace sdfgrid::ops

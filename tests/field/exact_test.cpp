@@ -238,13 +238,6 @@ TEST(ExactOps, GraphsOfConstantLinearAndQuadraticFunctions) {
   }
 }
 
-// Where f falls below the axis, and where it is neither of the three, there is a bound.
-TEST(ExactOps, OtherGraphsAreBounds) {
-  for (const char* f : {"x", "0.5 - x^2", "0.5 + x^3", "abs(x)", "0.5 + 0.1*sin(x)"}) {
-    EXPECT_GT(sdfgrid::make_field("function", {{"f", f}}).size(), 1U) << f;
-  }
-}
-
 // The corners of the uniform truncated solids, from their coordinates in books: all on the surface
 // of the solid with flat faces, at the same distance from the centre, and nothing farther out is.
 TEST(ExactOps, TruncatedSolidsHaveTheirCorners) {
