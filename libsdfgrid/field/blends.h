@@ -29,6 +29,7 @@ struct ExponentialUnion {
   }
   // Where the distances differ by 20 k the blend is below half a unit in the last place of 1, and
   // adds exactly 0.
+  double reach() const { return 20.0 * k; }
   Keep keep(const Interval& a, const Interval& b) const {
     return (b - a).lo >= 20 * k ? Keep::first : ((a - b).lo >= 20 * k ? Keep::second : Keep::both);
   }

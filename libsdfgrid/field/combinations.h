@@ -1,7 +1,8 @@
 // field/combinations.h: ops that make one solid of several (internal to field/). keep() says which
 // operand is the whole result over a box, so that pruning may drop the other; surface_of_first()
 // whose surface a point belongs to; bounds() where the result is below a level, from where the
-// operands are below child_level(level).
+// operands are below child_level(level). What joins many nodes says reach(): an operand that is
+// larger than the other by so much changes nothing.
 #pragma once
 
 #include "sdfgrid/core/lattice.h"
@@ -43,6 +44,7 @@ struct Union {
   Keep keep(const Interval& a, const Interval& b) const {
     return a.hi < b.lo ? Keep::first : (b.hi < a.lo ? Keep::second : Keep::both);
   }
+  double reach() const { return 0; }
   bool surface_of_first(double a, double b) const { return a <= b; }
   Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
 };
@@ -114,6 +116,7 @@ struct SmoothUnion {
     return smooth_min(a, b, k);
   }
   // Where the distances differ by k or more the blend adds exactly 0.
+  double reach() const { return k; }
   Keep keep(const Interval& a, const Interval& b) const {
     return (b - a).lo >= k ? Keep::first : ((a - b).lo >= k ? Keep::second : Keep::both);
   }

@@ -98,19 +98,43 @@ class GroupedEvaluation {
     if (here && (n == 1 || left.size() <= (n <= kLanes ? kMostInstructions : kShort))) {
       return evaluate(left, points);
     }
+    const std::size_t half = halve(points, box);
+    run(left, points.first(half), ask);
+    run(left, points.subspan(half), ask);
+  }
+
+  // The same of smooth unions, of which more nodes matter: a look at an instruction takes as long
+  // as a hundred points, and no more of them are looked at than takes a tenth of evaluating all.
+  void run_smooth(const Field& field, std::span<std::uint32_t> points) {
+    if (!worth(field, points.size())) return evaluate(field, points);
+    Box box;
+    for (const std::uint32_t i : points) box.add({p_[0][i], p_[1][i], p_[2][i]});
+    const auto here = field.restricted(box, field.size() * points.size() / 4096);
+    const Field& left = here ? here->field : field;
+    if (points.size() < 8 * kManyPoints) return evaluate(left, points);
+    const std::size_t half = halve(points, box);
+    run_smooth(left, points.first(half));
+    run_smooth(left, points.subspan(half));
+  }
+  static bool worth(const Field& field, std::size_t points) {
+    return points >= kManyPoints && field.size() >= 64 * kShort;
+  }
+
+ private:
+  static constexpr std::size_t kShort = 16;
+  static constexpr std::size_t kManyPoints = 128;
+  static constexpr std::size_t kMostInstructions = 128;  // to look at for some points
+
+  // Orders the points along the box's longest side; how many are in the first half.
+  std::size_t halve(std::span<std::uint32_t> points, const Box& box) const {
     int axis = 0;
     for (int a = 1; a < 3; ++a) axis = box.size()[a] > box.size()[axis] ? a : axis;
     const std::size_t half = points.size() / 2;
     const float* c = p_[axis];
     std::nth_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(half),
                      points.end(), [&](std::uint32_t i, std::uint32_t j) { return c[i] < c[j]; });
-    run(left, points.first(half), ask);
-    run(left, points.subspan(half), ask);
+    return half;
   }
-
- private:
-  static constexpr std::size_t kShort = 16;
-  static constexpr std::size_t kMostInstructions = 128;  // to look at for some points
 
   void evaluate(const Field& field, std::span<const std::uint32_t> points) {
     const std::size_t n = points.size();
@@ -143,7 +167,8 @@ void Field::evaluate_portably(std::size_t n, const float* x, const float* y, con
 
 void Field::evaluate(const FieldKernel& kernel, std::size_t n, const float* x, const float* y,
                      const float* z, float* out) const {
-  if (program_->starts.empty() || n == 0) return run_program(kernel, *program_, n, x, y, z, out);
+  const bool few = n == 0 || (!program_->strewn && !GroupedEvaluation::worth(*this, n));
+  if (program_->starts.empty() || few) return run_program(kernel, *program_, n, x, y, z, out);
   std::vector<std::uint32_t> points;
   points.reserve(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -151,7 +176,13 @@ void Field::evaluate(const FieldKernel& kernel, std::size_t n, const float* x, c
     if (finite) points.push_back(static_cast<std::uint32_t>(i));
     if (!finite) run_program(kernel, *program_, 1, x + i, y + i, z + i, out + i);
   }
-  if (!points.empty()) GroupedEvaluation(kernel, x, y, z, out).run(*this, points);
+  if (points.empty()) return;
+  GroupedEvaluation groups(kernel, x, y, z, out);
+  if (program_->strewn) {
+    groups.run(*this, points);
+  } else {
+    groups.run_smooth(*this, points);
+  }
 }
 
 float Field::operator()(const glm::vec3& p) const {

@@ -47,15 +47,16 @@ void append_combination(Draft& draft, int number, const std::vector<Argument>& a
                         std::span<const Field> of) {
   Instruction last = add_op(draft, number, arguments);
   last.step = Step::combine;
-  if (number == op_number("union") && of.size() >= kManyNodes) {
-    return append_union_tree(draft, of, last);
-  }
+  const auto many = [](int op, std::size_t nodes) {
+    return registry()[op].reach != nullptr && nodes >= kManyNodes;
+  };
+  if (many(number, of.size())) return append_union_tree(draft, of, last);
   const int rest = rest_number(number);
   if (rest == number || of.size() < 3) return append_joined(draft, of, last);
   Instruction join = add_op(draft, rest, arguments);
   join.step = Step::combine;
   append(draft, of[0].program());
-  if (rest == op_number("union") && of.size() > kManyNodes) {
+  if (many(rest, of.size() - 1)) {
     append_union_tree(draft, of.subspan(1), join);
   } else {
     append_joined(draft, of.subspan(1), join);

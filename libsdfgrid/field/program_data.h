@@ -30,6 +30,7 @@ struct Program {
   // Of each instruction where its subtree begins; only where a union knows its operands' boxes
   // (union_tree.h).
   std::vector<std::int32_t> starts;
+  bool strewn = false;  // some of these are plain unions: few of their nodes matter anywhere
 };
 
 // The struct of an instruction's op.

@@ -157,25 +157,32 @@ class Pruning {
 
   bool nearer_first(std::int32_t last, double upper) {
     const Instruction& at = program_.code[last];
+    // Of a smooth union what is farther than the nearer operand by less than its reach matters,
+    // and operands may be larger than what it makes of them.
+    const float* c = constants_of(program_, at);
+    const double reach = registry()[at.op].reach(c);
+    double limit = upper + registry()[at.op].child_level(c, 0) + reach;
     const std::int32_t ends[2] = {program_.starts[last - 1] - 1, last - 1};
     double least[2];
     least_of_operands(program_, at, points_.back(), size_of(points_.back()), least);
     const int near = least[1] < least[0] ? 1 : 0;
     int found = 0;
     for (const int i : {near, 1 - near}) {
-      if (least[i] > upper || !tree(ends[i], upper)) continue;
-      if (values_.back().range.lo > upper) {
+      if (least[i] > limit || !tree(ends[i], limit)) continue;
+      if (values_.back().range.lo > limit) {
         drop();
         continue;
       }
       ++found;
-      upper = std::fmin(upper, values_.back().range.hi);
+      limit = std::fmin(limit, values_.back().range.hi + reach);
     }
     if (found == 2) {
       Instruction join = at;
       if (near == 1) join.count = kUnionFloats + kUnionSwapped - at.count;
       step(join);
     }
+    // What is left out may have made it less, but not than `upper`.
+    if (found == 1 && values_.back().range.lo > upper) return drop();
     return found > 0;
   }
 
@@ -314,9 +321,10 @@ Box bounds_below(const Program& program, const std::vector<std::int32_t>& starts
   const float* c = constants_of(program, at);
   const Data data = data_of(program, at);
   if (has_boxes(at)) {
-    const double grow = std::fmax(level, 0);
+    const double grow = std::fmax(op.child_level(c, level), 0);
     const Box box = both_boxes(operand_box(program, at, 0), operand_box(program, at, 1));
-    return {box.lo - grow, box.hi + grow};
+    // Smooth unions have infinite boxes for what they do not know, too.
+    if (at.op == kUnionOp || finite(box)) return {box.lo - grow, box.hi + grow};
   }
   if (at.step == Step::leaf) {
     const Box box = op.bounds(c, data, all, all, level);

@@ -67,6 +67,9 @@ RegisteredOp registered() {
       return level;
     }
   };
+  if constexpr (requires(Op op) { op.reach(); }) {
+    r.reach = [](const float* c) { return load_op<Op>(c).reach(); };
+  }
   return r;
 }
 

@@ -28,6 +28,8 @@ struct RegisteredOp {
   Box (*bounds)(const float* constants, ops::Data data, const Box& a, const Box& b,
                 double level) = nullptr;
   double (*child_level)(const float* constants, double level) = nullptr;
+  // Of combinations: see combinations.h; null where nothing is too far away to matter.
+  double (*reach)(const float* constants) = nullptr;
 };
 
 // By op number; places that no op has are empty (entry.info is null).

@@ -15,13 +15,6 @@ using ops::kInfinity;
 // What a leaf's value may be off, in proportion to its coordinates: as in leaf_interval().
 constexpr double kRounding = 4 * kFloatSlack;
 
-bool finite(const Box& box) {
-  const auto all = [](const glm::dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-  };
-  return all(box.lo) && all(box.hi);
-}
-
 // Whether a program computes the Euclidean distance wherever that is positive.
 bool exact_outside(const Program& program) {
   static const int translate = op_number("translate");
@@ -61,10 +54,19 @@ Part enclosed(const Field& node) {
   return {within_region(node, box, 1), box};
 }
 
+Part as_it_is(const Field& node) {
+  const Box box = node.bounds();
+  if (!box.empty() && exact_outside(node.program())) return {node, box};
+  return {node, {glm::dvec3(-kInfinity), glm::dvec3(kInfinity)}};
+}
+
 class TreeBuilder {
  public:
   TreeBuilder(Draft& draft, std::vector<Part> parts, const Instruction& join)
-      : draft_(draft), parts_(std::move(parts)), join_(join) {}
+      : draft_(draft), parts_(std::move(parts)), join_(join) {
+    const float* constants = draft.pool.constants.data() + join.constants;
+    lower_ = registry()[join.op].child_level(constants, 0);
+  }
 
   void build() {
     // In their order: of nodes that share a surface the first one's is seen.
@@ -78,6 +80,10 @@ class TreeBuilder {
     }
     std::vector<int> order(parts_.size());
     std::iota(order.begin(), order.end(), 0);
+    if (join_.op != kUnionOp) {
+      append(order);
+      return;
+    }
     const auto endless = std::stable_partition(order.begin(), order.end(),
                                                [&](int i) { return finite(parts_[i].box); });
     const std::span<int> ends(order.begin(), endless);
@@ -103,6 +109,7 @@ class TreeBuilder {
 
   // Along the axis along which their middles are spread farthest.
   void halve(std::span<int> of, std::size_t half) {
+    if (join_.op != kUnionOp) return;  // in their order
     Box middles;
     for (const int i : of) middles.add(parts_[i].box.center());
     const glm::dvec3 size = middles.size();
@@ -147,12 +154,14 @@ class TreeBuilder {
       }
     }
     draft_.code.push_back(at);
-    return ops::both_boxes(a, b);
+    const Box both = ops::both_boxes(a, b);
+    return {both.lo - lower_, both.hi + lower_};
   }
 
   Draft& draft_;
   std::vector<Part> parts_;
   Instruction join_;
+  double lower_;  // by how much a join may be less than both its operands
 };
 
 }  // namespace
@@ -167,7 +176,7 @@ void append_union_tree(Draft& draft, std::span<const Field> of, const Instructio
   std::vector<Part> parts;
   parts.reserve(of.size());
   for (const Field& node : of) {
-    Part part = enclosed(node);
+    Part part = join.op == kUnionOp ? enclosed(node) : as_it_is(node);
     if (!part.box.empty()) parts.push_back(std::move(part));
   }
   if (parts.empty()) parts.push_back({Field(), {}});

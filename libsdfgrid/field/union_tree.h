@@ -7,6 +7,10 @@
 // distance to the box. Nodes for which that is not known anyway (those that are only bounds on the
 // distance) are wrapped into the op `region`, which makes it so; what has no end has an infinite
 // box.
+//
+// Smooth unions have such boxes too, but are joined in the order that they are given in: in another
+// order they would be another solid, and one that moves would jump. Their nodes stay as they are;
+// those that are only bounds have infinite boxes.
 #pragma once
 
 #include "sdfgrid/field/interval.h"
@@ -20,16 +24,23 @@ inline constexpr std::uint32_t kUnionSwapped = 13;  // of one whose operands cha
 
 inline constexpr std::uint16_t kUnionOp = 0;  // the first op of the first family
 
-// Whether the instruction is a union that knows the boxes of its operands.
+// Whether the instruction is a union, smooth ones among them, that knows the boxes of its operands.
 inline bool has_boxes(const Instruction& at) {
-  return at.step == Step::combine && at.op == kUnionOp && at.count >= kUnionFloats &&
-         at.count <= kUnionSwapped;
+  return at.step == Step::combine && at.count >= kUnionFloats && at.count <= kUnionSwapped;
+}
+
+inline bool finite(const Box& box) {
+  const auto all = [](const glm::dvec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+  };
+  return all(box.lo) && all(box.hi);
 }
 
 // The box of the first or the second operand of such a union.
 [[nodiscard]] Box operand_box(const Program& program, const Instruction& at, int operand);
 
-// Appends the union of many fields, joined by copies of `join`. Empty ones are left out.
+// Appends the union of many fields, joined by copies of `join`, an op that says reach(). Of plain
+// unions empty ones are left out.
 void append_union_tree(Draft& draft, std::span<const Field> of, const Instruction& join);
 
 // Lower bounds on the values of both operands over p, -inf where their boxes touch it, by the

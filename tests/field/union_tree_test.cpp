@@ -5,6 +5,7 @@
 #include <cstring>
 #include <glm/vector_relational.hpp>
 #include <random>
+#include <span>
 
 #include "field/examples.h"
 #include "sdfgrid/field/field.h"
@@ -249,6 +250,125 @@ TEST(UnionTree, PartsAreTheSolidAndLieInTheirBoxes) {
   for (std::size_t i = 0; i < least.size(); ++i) {
     if (std::fabs(least[i]) > 1e-5F) {
       ASSERT_EQ(points.value[i] < 0, least[i] < 0) << i;
+    }
+  }
+}
+
+// The same union by hand, two by two, which knows no boxes.
+Field joined(const char* op, double k, std::span<const Field> of) {
+  if (of.size() == 1) return of[0];
+  const std::size_t half = (of.size() + 1) / 2;
+  return make_field(op, {{"k", k}},
+                    {joined(op, k, of.first(half)), joined(op, k, of.subspan(half))});
+}
+
+struct SmoothCase {
+  const char* op;
+  double k;
+  std::vector<Field> nodes;
+};
+// Crowds, which a blend makes far larger than any of them.
+std::vector<Field> crowds(Strewn& strewn) {
+  std::vector<Field> nodes;
+  for (int crowd = 0; crowd < 8; ++crowd) {
+    const glm::dvec3 at = strewn.place(4);
+    for (int i = 0; i < 32; ++i) {
+      nodes.push_back(make_field("translate", {{"by", {at.x + 0.01 * i, at.y, at.z}}},
+                                 {make_field("sphere", {{"radius", 0.2}})}));
+    }
+  }
+  return nodes;
+}
+std::vector<SmoothCase> smooth_cases(Strewn& strewn) {
+  return {{"smooth_union", 0.3, strewn.exact_nodes(700)},
+          {"smooth_union", 2, strewn.exact_nodes(300)},
+          {"smooth_union", 0.4, odd_nodes(strewn)},
+          {"smooth_union", 1.5, crowds(strewn)},
+          {"exponential_union", 0.02, strewn.exact_nodes(300)},
+          {"exponential_union", 0.05, odd_nodes(strewn)}};
+}
+
+TEST(SmoothUnionTree, ItIsThatOfAllToTheLastBit) {
+  Strewn strewn;
+  for (const auto& [op, k, nodes] : smooth_cases(strewn)) {
+    SCOPED_TRACE(op);
+    const Field all = make_field(op, {{"k", k}}, nodes);
+    const Field plain = joined(op, k, nodes);
+    ASSERT_EQ(all.size(), plain.size());
+    for (const double reach : {8.0, 0.3}) {
+      Points points(strewn, 3000, reach);
+      Points same = points;
+      points.evaluate(all);
+      same.evaluate(plain);
+      ASSERT_TRUE(same_bits(points.value, same.value));
+      for (std::size_t i = 0; i < 200; ++i) {
+        const glm::dvec3 p(points.x[i], points.y[i], points.z[i]);
+        ASSERT_EQ(all.tag_at(p), plain.tag_at(p));
+        // In double an exponential blend never ends; what is left out is e^-20.
+        const glm::dvec3 d = all.gradient(p).gradient - plain.gradient(p).gradient;
+        ASSERT_LT(std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z), 1e-8);
+      }
+    }
+  }
+}
+
+TEST(SmoothUnionTree, RestrictedToABoxItHasTheSameBits) {
+  Strewn strewn;
+  for (const auto& [op, k, nodes] : smooth_cases(strewn)) {
+    SCOPED_TRACE(op);
+    const Field all = make_field(op, {{"k", k}}, nodes);
+    std::size_t left_over = 0;
+    for (int i = 0; i < 150; ++i) {
+      const glm::dvec3 middle = strewn.place(7);
+      const double half = std::exp(strewn.number(-5, 1.5));
+      const Box box{middle - half, middle + half};
+      Points points(strewn, 64, 1);
+      for (std::size_t n = 0; n < 64; ++n) {
+        points.x[n] = static_cast<float>(middle.x + 0.999 * half * double(points.x[n]));
+        points.y[n] = static_cast<float>(middle.y + 0.999 * half * double(points.y[n]));
+        points.z[n] = static_cast<float>(middle.z + 0.999 * half * double(points.z[n]));
+      }
+      Points left = points;
+      points.evaluate(all);
+      const Restricted here = *all.restricted(box);
+      left_over += here.field.size();
+      left.evaluate(here.field);
+      ASSERT_TRUE(same_bits(points.value, left.value)) << i;
+      left.evaluate(here.field.pruned(box));
+      ASSERT_TRUE(same_bits(points.value, left.value)) << i;
+      const double upper = i % 2 == 0 ? 0.2 : -0.1;
+      const Restricted below = *all.restricted(box, kAnyLength, upper);
+      left.evaluate(below.field);
+      for (std::size_t n = 0; n < 64; ++n) {
+        ASSERT_GE(points.value[n], here.range.lo);
+        ASSERT_LE(points.value[n], here.range.hi);
+        if (double(points.value[n]) < upper) {
+          ASSERT_EQ(points.value[n], left.value[n]);
+          ASSERT_GE(points.value[n], below.range.lo);
+        } else {
+          ASSERT_GE(double(left.value[n]), upper - 1e-6);
+        }
+      }
+    }
+    EXPECT_LT(left_over, 150 * all.size());
+  }
+}
+
+TEST(SmoothUnionTree, BoundsHoldEverything) {
+  Strewn strewn;
+  for (const auto& [op, k, nodes] : smooth_cases(strewn)) {
+    SCOPED_TRACE(op);
+    const Field all = make_field(op, {{"k", k}}, nodes);
+    Points points(strewn, 5000, 12);
+    points.evaluate(all);
+    for (const double level : {-0.1, 0.0, 0.5}) {
+      const Box box = all.bounds(level);
+      for (std::size_t i = 0; i < points.value.size(); ++i) {
+        if (double(points.value[i]) >= level) continue;
+        const glm::dvec3 p(points.x[i], points.y[i], points.z[i]);
+        ASSERT_TRUE(glm::all(glm::greaterThanEqual(p, box.lo)) &&
+                    glm::all(glm::lessThanEqual(p, box.hi)));
+      }
     }
   }
 }
