@@ -1,49 +1,26 @@
 #include "sdfgrid/trace/object_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <limits>
+
+#include "sdfgrid/trace/box_kernel.h"
 
 namespace sdfgrid {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+constexpr double kEndless = 1e100;  // farther than any hit
+
 constexpr int kFewLevels = 3;  // of local bounds, where there are many objects
 
-// The beam around a group of rays, prepared for boxes.
-struct Line {
-  glm::dvec3 origin, inverse;
-  double width, widening;  // the radius is width + widening * t
-};
-
-// Where rays of a beam may be in a box, within what is given. A ray is in the box no later than at
-// the distance of its farthest corner, and the beam's axis then no farther from the box than the
-// beam is wide there.
-inline Span within(const Line& line, const Box& box, Span s) {
-  double farthest = 0;  // or a little more, without a root
-  for (int a = 0; a < 3; ++a) {
-    const double below = line.origin[a] - box.lo[a];
-    const double above = box.hi[a] - line.origin[a];
-    farthest += below > above ? below : above;
-  }
-  const double radius = line.width + line.widening * (line.width + farthest);
-  for (int a = 0; a < 3; ++a) {
-    const double t0 = (box.lo[a] - radius - line.origin[a]) * line.inverse[a];
-    const double t1 = (box.hi[a] + radius - line.origin[a]) * line.inverse[a];
-    const double near = t1 < t0 ? t1 : t0;
-    const double far = t1 < t0 ? t0 : t1;
-    s.from = near > s.from ? near : s.from;
-    s.to = far < s.to ? far : s.to;
-  }
-  return s;
-}
-
-// A group of sixteen rays, and where they may meet a node.
+// Of sixteen groups of rays beside each other those that may meet a node.
 struct Passage {
-  std::uint32_t group;
-  double from, to;
+  std::uint32_t cluster;  // group i of it is the bundle's group 16 * cluster + i
+  std::uint32_t groups;   // a bit each
 };
 
 // A node that waits, and which groups may meet it.
@@ -59,21 +36,16 @@ class Traversal {
   Traversal(const ObjectTree& tree, Bundle& bundle, const MarchRules& rules, bool use_convex,
             FieldMarch& march)
       : tree_(tree), bundle_(bundle), rules_(rules), use_convex_(use_convex), march_(march) {
-    for (const RayLanes& rays : bundle.rays) {
-      RayLanes axis;
-      RayGroup beam;
-      step_kernel().beam(rays, axis, beam, 0);
-      const auto of = [](const double(&column)[3][RayLanes::kLanes]) {
-        return glm::dvec3(column[0][0], column[1][0], column[2][0]);
-      };
-      lines_.push_back(
-          {of(axis.start), 1.0 / of(axis.along), double(beam.width[0]), double(beam.widening[0])});
-    }
-    deepest_.assign(lines_.size(), kInfinity);
+    beams_.resize((bundle.rays.size() + kLanes - 1) / kLanes);
+    for (std::size_t i = 0; i < bundle.rays.size(); ++i) set_beam(bundle.rays[i], i);
   }
 
   void run() {
-    for (std::uint32_t i = 0; i < lines_.size(); ++i) all_.push_back({i, 0, kInfinity});
+    const std::size_t groups = bundle_.rays.size();
+    for (std::uint32_t i = 0; i < beams_.size(); ++i) {
+      const std::size_t count = std::min<std::size_t>(kLanes, groups - std::size_t{i} * kLanes);
+      all_.push_back({i, (1U << count) - 1});
+    }
     push(0, 0, static_cast<std::uint32_t>(all_.size()));
     while (!heap_.empty()) {
       std::pop_heap(heap_.begin(), heap_.end());
@@ -90,16 +62,46 @@ class Traversal {
   }
 
  private:
+  void set_beam(const RayLanes& rays, std::size_t group) {
+    RayLanes axis;
+    RayGroup beam;
+    step_kernel().beam(rays, axis, beam, 0);
+    BeamLanes& beams = beams_[group / kLanes];
+    const std::size_t lane = group % kLanes;
+    glm::dvec3 origin;
+    for (int a = 0; a < 3; ++a) {
+      beams.origin[a][lane] = origin[a] = axis.start[a][0];
+      // An axis along a face leaves its box far away, or never.
+      const double along = axis.along[a][0];
+      beams.inverse[a][lane] =
+          1 / (std::fabs(along) < 1e-200 ? std::copysign(1e-200, along) : along);
+    }
+    origins_.add(origin);
+    beams.width[lane] = double(beam.width[0]);
+    beams.widening[lane] = double(beam.widening[0]);
+    beams.deepest[lane] = kEndless;
+  }
+
+  // No less than from any beam's beginning to the box's farthest corner, without a root.
+  [[nodiscard]] double farthest_of(const Box& box) const {
+    double farthest = 0;
+    for (int a = 0; a < 3; ++a) {
+      farthest += std::max(origins_.hi[a] - box.lo[a], box.hi[a] - origins_.lo[a]);
+    }
+    return farthest;
+  }
+
   // Lets a node wait for those of the groups that may meet it before what they hit.
   void push(std::uint32_t node, std::uint32_t begin, std::uint32_t end) {
     const Box& box = tree_.nodes()[node].box;
+    const double farthest = farthest_of(box);
     Waiting waiting{kInfinity, node, static_cast<std::uint32_t>(all_.size()), 0};
     for (std::uint32_t i = begin; i < end; ++i) {
-      const Passage at = all_[i];
-      const Span s = within(lines_[at.group], box, {at.from, std::min(at.to, deepest_[at.group])});
-      if (!(s.from <= s.to)) continue;
-      all_.push_back({at.group, s.from, s.to});
-      waiting.nearest = std::min(waiting.nearest, s.from);
+      const auto [cluster, groups] = all_[i];
+      const BeamsMet met = meet_(beams_[cluster], &box.lo.x, &box.hi.x, farthest, groups);
+      if (met.beams == 0) continue;
+      all_.push_back({cluster, met.beams});
+      waiting.nearest = std::min(waiting.nearest, met.nearest);
     }
     waiting.end = static_cast<std::uint32_t>(all_.size());
     if (waiting.begin == waiting.end) return;
@@ -111,15 +113,24 @@ class Traversal {
     MarchRules rules = rules_;
     rules.convex = use_convex_ && object.convex;
     rules.bounds = object.bounds.get();
-    const std::span<const Passage> groups = std::span(all_).subspan(at.begin, at.end - at.begin);
     stretches_.clear();
-    for (const Passage& passage : groups) add_rays(passage.group, object.box);
+    each_group(at, [&](std::uint32_t group) { add_rays(group, object.box); });
     if (stretches_.empty()) return;
     march_.run(bundle_, object.field, rules, stretches_);
-    for (const Passage& passage : groups) {
-      const std::size_t first = std::size_t{passage.group} * kLanes;
+    each_group(at, [&](std::uint32_t group) {
+      const std::size_t first = std::size_t{group} * kLanes;
       const double* const depth = bundle_.depth.data() + first;
-      deepest_[passage.group] = *std::max_element(depth, depth + rays_of(first));
+      beams_[group / kLanes].deepest[group % kLanes] =
+          std::min(kEndless, *std::max_element(depth, depth + rays_of(first)));
+    });
+  }
+
+  template <class Visit>
+  void each_group(const Waiting& at, const Visit& visit) const {
+    for (std::uint32_t i = at.begin; i < at.end; ++i) {
+      for (std::uint32_t left = all_[i].groups; left != 0; left &= left - 1) {
+        visit(all_[i].cluster * kLanes + static_cast<std::uint32_t>(std::countr_zero(left)));
+      }
     }
   }
 
@@ -147,8 +158,9 @@ class Traversal {
   MarchRules rules_;
   bool use_convex_;
   FieldMarch& march_;
-  std::vector<Line> lines_;      // of each group
-  std::vector<double> deepest_;  // of its rays' hits so far
+  const MeetBox meet_ = meet_box();
+  std::vector<BeamLanes> beams_;  // of sixteen groups each; deepest: of their rays' hits so far
+  Box origins_;                   // where they begin
   std::vector<Passage> all_;
   std::vector<Stretch> stretches_;
   std::vector<Waiting> heap_;
