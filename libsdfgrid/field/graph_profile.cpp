@@ -90,6 +90,7 @@ class GraphFitter {
     const double far = std::fmax(std::fabs(range.from), std::fabs(range.to));
     range_.from += 4e-15 * far;
     range_.to -= 4e-15 * far;
+    point_ = 1e-15 * far;
     tolerance_ = kTolerance * std::fmin(range.to - range.from, range.largest - range.low);
   }
 
@@ -137,9 +138,12 @@ class GraphFitter {
       }
     }
     const double width = b - a;
-    if (width <= 0.5 * tolerance_ && crosses(f.v, a, ya, b, yb)) return arcs_.size() < kMostArcs;
-    const bool split = width > 1e-15 * (std::fabs(a) + std::fabs(b));
-    if (!split || arcs_.size() > kMostArcs || ++tried_ > 16 * kMostArcs) return false;
+    // Down there only a point is left: of a jump, or of what an interval takes for one.
+    const bool point = width <= point_;
+    if ((point && std::isfinite(f.v.lo + f.v.hi)) || width <= 0.5 * tolerance_) {
+      if (crosses(point ? hull(ya, yb) : f.v, a, ya, b, yb)) return arcs_.size() < kMostArcs;
+    }
+    if (point || arcs_.size() > kMostArcs || ++tried_ > 16 * kMostArcs) return false;
     const double middle = 0.5 * (a + b);
     const double ym = value(middle);
     return fit(a, ya, middle, ym) && fit(middle, ym, b, yb);
@@ -275,6 +279,7 @@ class GraphFitter {
   Data code_;
   GraphRange range_;
   double tolerance_;
+  double point_;  // the least width that doubles know
   std::vector<Arc> arcs_;
   std::size_t tried_ = 0;
   std::size_t first_ = 0;  // arc of the figure that is open

@@ -35,6 +35,8 @@ std::vector<Graph> graphs() {
           {"max(0.3, 1 - 3*abs(x))", [](double x) { return std::fmax(0.3, 1 - 3 * std::fabs(x)); }},
           {"0.9 - sqrt(abs(x))", [](double x) { return 0.9 - std::sqrt(std::fabs(x)); }},
           {"0.1 + sqrt(abs(x))", [](double x) { return 0.1 + std::sqrt(std::fabs(x)); }},
+          {"0.2 + 0.5*abs(mod(3*x, 2) - 1)",  // continuous, made of what jumps
+           [](double x) { return 0.2 + 0.5 * std::fabs(3 * x - 2 * std::floor(1.5 * x) - 1); }},
           {"exp(9*x)", [](double x) { return std::exp(9 * x); }, -0.5, 0.2},
           {"0.5", [](double) { return 0.5; }},
           {"0.4*x", [](double x) { return 0.4 * x; }}};
