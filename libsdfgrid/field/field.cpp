@@ -7,6 +7,7 @@
 #include "sdfgrid/field/batch_kernel.h"
 #include "sdfgrid/field/program_data.h"
 #include "sdfgrid/field/slope.h"
+#include "sdfgrid/field/union_tree.h"
 
 namespace sdfgrid {
 namespace {
@@ -103,18 +104,20 @@ class GroupedEvaluation {
     run(left, points.subspan(half), ask);
   }
 
-  // The same of smooth unions, of which more nodes matter: a look at an instruction takes as long
-  // as a hundred points, and no more of them are looked at than takes a tenth of evaluating all.
+  // The same of smooth unions, of which more nodes matter: of points that lie in a small part of
+  // the solid's box.
   void run_smooth(const Field& field, std::span<std::uint32_t> points) {
     if (!worth(field, points.size())) return evaluate(field, points);
+    constexpr double kPart = 0.25;
     Box box;
     for (const std::uint32_t i : points) box.add({p_[0][i], p_[1][i], p_[2][i]});
-    const auto here = field.restricted(box, field.size() * points.size() / 4096);
-    const Field& left = here ? here->field : field;
-    if (points.size() < 8 * kManyPoints) return evaluate(left, points);
+    if (longest(box) < kPart * longest(last_union_box(field.program()))) {
+      return evaluate(field.pruned(box), points);
+    }
+    if (points.size() < 8 * kManyPoints) return evaluate(field, points);
     const std::size_t half = halve(points, box);
-    run_smooth(left, points.first(half));
-    run_smooth(left, points.subspan(half));
+    run_smooth(field, points.first(half));
+    run_smooth(field, points.subspan(half));
   }
   static bool worth(const Field& field, std::size_t points) {
     return points >= kManyPoints && field.size() >= 64 * kShort;
@@ -124,6 +127,11 @@ class GroupedEvaluation {
   static constexpr std::size_t kShort = 16;
   static constexpr std::size_t kManyPoints = 128;
   static constexpr std::size_t kMostInstructions = 128;  // to look at for some points
+
+  static double longest(const Box& box) {
+    const glm::dvec3 size = box.size();
+    return std::max({size.x, size.y, size.z});
+  }
 
   // Orders the points along the box's longest side; how many are in the first half.
   std::size_t halve(std::span<std::uint32_t> points, const Box& box) const {

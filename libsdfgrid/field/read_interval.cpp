@@ -140,7 +140,7 @@ class Pruning {
   // `upper` or there is no time left.
   bool tree(std::int32_t last, double upper) {
     const Instruction& at = program_.code[last];
-    if (++looked_at_ > most_) return false;
+    if (program_.strewn && ++looked_at_ > most_) return false;
     if (has_boxes(at)) return nearer_first(last, upper);
     if (at.step == Step::combine) {
       if (!tree(program_.starts[last - 1] - 1, kInfinity)) return false;

@@ -172,6 +172,12 @@ Box operand_box(const Program& program, const Instruction& at, int operand) {
   return {glm::dvec3(f[0], f[1], f[2]), glm::dvec3(f[3], f[4], f[5])};
 }
 
+Box last_union_box(const Program& program) {
+  const auto found = std::find_if(program.code.rbegin(), program.code.rend(), has_boxes);
+  if (found == program.code.rend()) return {glm::dvec3(-kInfinity), glm::dvec3(kInfinity)};
+  return ops::both_boxes(operand_box(program, *found, 0), operand_box(program, *found, 1));
+}
+
 void append_union_tree(Draft& draft, std::span<const Field> of, const Instruction& join) {
   std::vector<Part> parts;
   parts.reserve(of.size());

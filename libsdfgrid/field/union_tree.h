@@ -39,6 +39,10 @@ inline bool finite(const Box& box) {
 // The box of the first or the second operand of such a union.
 [[nodiscard]] Box operand_box(const Program& program, const Instruction& at, int operand);
 
+// That of all nodes of the last such union of a program, in its own space; infinite if it is not
+// known or there is none.
+[[nodiscard]] Box last_union_box(const Program& program);
+
 // Appends the union of many fields, joined by copies of `join`, an op that says reach(). Of plain
 // unions empty ones are left out.
 void append_union_tree(Draft& draft, std::span<const Field> of, const Instruction& join);
