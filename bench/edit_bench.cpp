@@ -25,7 +25,9 @@
 
 #include "sdfgrid/core/isa.h"
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/edit/field_brush.h"
 #include "sdfgrid/edit/sculptor.h"
+#include "sdfgrid/field/field.h"
 #include "sdfgrid/grid/convert.h"
 #include "sdfgrid/grid/live_atlas.h"
 #include "sdfgrid/grid/vdb.h"
@@ -134,6 +136,54 @@ void measure_dabs(const Grid& grid, const TriangleSoup& soup, int dim, int dabs)
         "{:.1f}; with local re-distancing {:.3f} ms\n",
         dim, stroke_op_word(op), median(times.peer), median(times.edit), median(times.refresh),
         median(times.total), median(times.ratio), median(times.remeasured_total));
+  }
+}
+
+struct FieldBrush {
+  const char* name;
+  Field field;  // as large as a ball of radius 1, or nearly
+  bool exact;
+};
+
+std::vector<FieldBrush> field_brushes() {
+  const Field star = make_field("union", {},
+                                {make_field("box", {{"size", {1.8, 0.5, 1.8}}}),
+                                 make_field("box", {{"size", {0.5, 1.8, 1.8}}})});
+  const Field wavy =
+      make_field("formula", {{"f", "x^2 + y^2 + z^2 + 0.1 * sin(5 * x) * cos(5 * y) - 0.8"},
+                             {"bounds", {-1, -1, -1, 1, 1, 1}}});
+  return {{"box", make_field("box", {{"size", {1.6, 1.6, 1.6}}}), true},
+          {"twisted star", make_field("twist", {{"turns", 0.25}}, {star}), false},
+          {"formula", wavy, false}};
+}
+
+// Brushes that are fields beside the ball: the same dabs, without re-distancing.
+void measure_fields(const Grid& grid, const TriangleSoup& soup, int dim, int dabs) {
+  const ThreadLimit one(1);
+  const double radius = 10 * grid.lattice().voxel;
+  SculptOptions off;
+  off.redistance = Redistance::off;
+  Sculptor sculptor(grid.clone(), off);
+  const auto time = [&](const Stroke& stroke) {
+    const double t = milliseconds([&] { (void)sculptor.apply(stroke, Job()); });
+    sculptor.undo();
+    return t;
+  };
+  for (const FieldBrush& brush : field_brushes()) {
+    const auto shape =
+        make_brush(make_field("scale", {{"by", radius}}, {brush.field}), brush.exact);
+    std::vector<double> ball;
+    std::vector<double> field;
+    std::vector<double> ratio;
+    for (const glm::dvec3& at : places(soup, dabs)) {
+      Stroke stroke = dab(StrokeOp::subtract, at, radius);
+      ball.push_back(time(stroke));
+      stroke.brush.shape = shape;
+      field.push_back(time(stroke));
+      ratio.push_back(field.back() / ball.back());
+    }
+    fmt::print("  dim {:5} difference with a {:12}: {:.3f} ms, {:.1f} times a ball's {:.4f} ms\n",
+               dim, brush.name, median(field), median(ratio), median(ball));
   }
 }
 
@@ -279,6 +329,7 @@ int main(int count, char** words) {
     const Grid grid = convert_mesh(soup, options, Job()).grid;
     bench::measure_dabs(grid, soup, dim, dabs);
     bench::measure_paths(grid, soup, dim, 3 * dabs);
+    bench::measure_fields(grid, soup, dim, dabs);
     bench::measure_strokes(grid, soup, dim);
   }
   return 0;

@@ -18,11 +18,8 @@ std::shared_ptr<const BrushShape> make_brush(const Field& field, bool exact) {
   }
   shape->exact = exact;
   shape->shallow = !exact;
-  // A stroke file gives the same bytes on every machine.
   shape->distances = [field](const float* x, const float* y, const float* z, float* distance,
-                             std::size_t count) {
-    field.evaluate_portably(count, x, y, z, distance);
-  };
+                             std::size_t count) { field.evaluate(count, x, y, z, distance); };
   return shape;
 }
 

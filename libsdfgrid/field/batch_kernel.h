@@ -24,6 +24,11 @@ struct FieldKernel {
 
 const FieldKernel& field_kernel();
 
+// Field::evaluate by a kernel of one's choice: tests compare them.
+class Field;
+void evaluate(const FieldKernel& kernel, const Field& field, unsigned long n, const float* x,
+              const float* y, const float* z, float* out);
+
 // The families in the order of ops::Families.
 SDFGRID_DECLARE_ISAS(extern const FieldKernel kFieldKernel;
                      extern const BatchFamily kCombinations, kBlends, kRanges, kDisplacements,

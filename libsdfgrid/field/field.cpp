@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
 #include "sdfgrid/field/batch_kernel.h"
 #include "sdfgrid/field/program_data.h"
@@ -16,21 +15,12 @@ constexpr int kLanes = 16;
 
 // The memory that a kernel works in, one a thread.
 float* scratch(std::size_t floats) {
-  struct Aligned {
-    float* memory = nullptr;
-    std::size_t size = 0;
-    ~Aligned() { release(); }
-    void release() { ::operator delete[](memory, std::align_val_t{64}); }
+  struct alignas(64) Line {
+    float values[kLanes];
   };
-  thread_local Aligned block;
-  if (block.size < floats) {
-    block.release();
-    block = {};
-    block.memory =
-        static_cast<float*>(::operator new[](floats * sizeof(float), std::align_val_t{64}));
-    block.size = floats;
-  }
-  return block.memory;
+  thread_local std::vector<Line> memory;
+  if (memory.size() * kLanes < floats) memory = std::vector<Line>(floats / kLanes);
+  return memory.front().values;
 }
 
 void sample(const Sampler* sampler, int n, const float* const p[3], float* out) {
@@ -163,34 +153,30 @@ class GroupedEvaluation {
 
 }  // namespace
 
-void Field::evaluate(std::size_t n, const float* x, const float* y, const float* z,
-                     float* out) const {
-  evaluate(field_kernel(), n, x, y, z, out);
-}
-
-void Field::evaluate_portably(std::size_t n, const float* x, const float* y, const float* z,
-                              float* out) const {
-  evaluate(baseline::kFieldKernel, n, x, y, z, out);
-}
-
-void Field::evaluate(const FieldKernel& kernel, std::size_t n, const float* x, const float* y,
-                     const float* z, float* out) const {
-  const bool few = n == 0 || (!program_->strewn && !GroupedEvaluation::worth(*this, n));
-  if (program_->starts.empty() || few) return run_program(kernel, *program_, n, x, y, z, out);
+void evaluate(const FieldKernel& kernel, const Field& field, std::size_t n, const float* x,
+              const float* y, const float* z, float* out) {
+  const Program& program = field.program();
+  const bool few = n == 0 || (!program.strewn && !GroupedEvaluation::worth(field, n));
+  if (program.starts.empty() || few) return run_program(kernel, program, n, x, y, z, out);
   std::vector<std::uint32_t> points;
   points.reserve(n);
   for (std::size_t i = 0; i < n; ++i) {
     const bool finite = std::isfinite(x[i]) && std::isfinite(y[i]) && std::isfinite(z[i]);
     if (finite) points.push_back(static_cast<std::uint32_t>(i));
-    if (!finite) run_program(kernel, *program_, 1, x + i, y + i, z + i, out + i);
+    if (!finite) run_program(kernel, program, 1, x + i, y + i, z + i, out + i);
   }
   if (points.empty()) return;
   GroupedEvaluation groups(kernel, x, y, z, out);
-  if (program_->strewn) {
-    groups.run(*this, points);
+  if (program.strewn) {
+    groups.run(field, points);
   } else {
-    groups.run_smooth(*this, points);
+    groups.run_smooth(field, points);
   }
+}
+
+void Field::evaluate(std::size_t n, const float* x, const float* y, const float* z,
+                     float* out) const {
+  sdfgrid::evaluate(field_kernel(), *this, n, x, y, z, out);
 }
 
 float Field::operator()(const glm::vec3& p) const {

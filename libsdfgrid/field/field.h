@@ -96,19 +96,14 @@ struct SamplerUse {
   double level;  // >= 0, in the sampler's own space
 };
 
-struct FieldKernel;  // internal to field/
-
 class Field {
  public:
   // Empty space: 1e9 everywhere, farther than anything.
   Field();
 
-  // Values at n points. The bits depend on the point alone, not on what stands beside it.
+  // Values at n points. The bits depend on the point alone, not on what stands beside it, and are
+  // the same on every x86 machine (samplers have to be so for themselves).
   void evaluate(std::size_t n, const float* x, const float* y, const float* z, float* out) const;
-  // The same on every x86 machine to the last bit, where evaluate() rounds differently with fused
-  // multiply-add: by the kernels of the oldest one, so several times slower.
-  void evaluate_portably(std::size_t n, const float* x, const float* y, const float* z,
-                         float* out) const;
   [[nodiscard]] float operator()(const glm::vec3& p) const;
 
   // In double precision, with the gradient by differentiating every op.
@@ -153,8 +148,6 @@ class Field {
   [[nodiscard]] const Program& program() const { return *program_; }
 
  private:
-  void evaluate(const FieldKernel& kernel, std::size_t n, const float* x, const float* y,
-                const float* z, float* out) const;
   std::shared_ptr<const Program> program_;
 };
 

@@ -8,30 +8,19 @@
 
 namespace sdfgrid::SDFGRID_ISA {
 
-inline I16 float_bits(F16 a) {
-  I16 r;
-  __builtin_memcpy(&r, &a, sizeof r);
-  return r;
-}
-inline F16 bits_float(I16 a) {
-  F16 r;
-  __builtin_memcpy(&r, &a, sizeof r);
-  return r;
-}
-
 // c[0] + c[1] x + ... by Horner's rule.
 template <int N>
 inline F16 polynomial(const float (&c)[N], F16 x) {
   F16 r = splat(c[N - 1]);
-  for (int i = N - 2; i >= 0; --i) r = fma(r, x, splat(c[i]));
+  for (int i = N - 2; i >= 0; --i) r = fused(r, x, splat(c[i]));
   return r;
 }
 
 inline Lanes exp(Lanes a) {
   // e^a = 2^n e^r with |r| <= ln(2) / 2; ln(2) in two parts.
   const F16 x = min(max(a.v, splat(-87.0F)), splat(88.0F));
-  const F16 n = floor(fma(x, splat(1.44269504F), splat(0.5F)));
-  const F16 r = fma(n, splat(-1.42860677e-6F), fma(n, splat(-0.693145752F), x));
+  const F16 n = whole(fused(x, splat(1.44269504F), splat(0.5F)));
+  const F16 r = fused(n, splat(-1.42860677e-6F), fused(n, splat(-0.693145752F), x));
   static constexpr float kSeries[] = {1, 1, 1.0F / 2, 1.0F / 6, 1.0F / 24, 1.0F / 120, 1.0F / 720};
   return polynomial(kSeries, r) * bits_float((to_int(n) + 127) << 23);
 }
@@ -45,15 +34,15 @@ inline Lanes log(Lanes a) {
   const F16 s = (m - 1.0F) / (m + 1.0F);
   static constexpr float kSeries[] = {2, 2.0F / 3, 2.0F / 5, 2.0F / 7, 2.0F / 9};
   const F16 r = s * polynomial(kSeries, s * s);
-  return fma(e, splat(0.693147182F), fma(e, splat(-1.90465433e-9F), r));
+  return fused(e, splat(0.693147182F), fused(e, splat(-1.90465433e-9F), r));
 }
 
 // sin of a + quarters * pi / 2.
 inline Lanes sin_shifted(Lanes a, int quarters) {
-  const F16 n = floor(fma(a.v, splat(0.636619772F), splat(0.5F)));
+  const F16 n = whole(fused(a.v, splat(0.636619772F), splat(0.5F)));
   // pi / 2 in three parts.
-  const F16 r = fma(n, splat(-7.54978995e-8F),
-                    fma(n, splat(-4.83751297e-4F), fma(n, splat(-1.5703125F), a.v)));
+  const F16 r = fused(n, splat(-7.54978995e-8F),
+                      fused(n, splat(-4.83751297e-4F), fused(n, splat(-1.5703125F), a.v)));
   const F16 q = r * r;
   static constexpr float kSine[] = {1, -1.0F / 6, 1.0F / 120, -1.0F / 5040, 1.0F / 362880};
   static constexpr float kCosine[] = {1,           -1.0F / 2,    1.0F / 24,
