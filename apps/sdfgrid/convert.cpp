@@ -17,6 +17,7 @@
 #include "sdfgrid/grid/convert_dense.h"
 #include "sdfgrid/grid/convert_field.h"
 #include "sdfgrid/grid/dense.h"
+#include "sdfgrid/grid/paint.h"
 #include "sdfgrid/volume/write.h"
 #include "tolerance.h"
 
@@ -188,7 +189,12 @@ void save(Made& made, const Options& options, Context& context) {
   const std::string& path = options.output.path;
   context.job().report("write", 0.0);
   context.job().checkpoint();
-  if (has_extension(path, volume_extensions())) return save_densely(made, path, context);
+  if (has_extension(path, volume_extensions())) {
+    if (!made.dense && has_paint(made.grid)) {
+      context.warn(path + ": this format holds no paint, which is left out; .vdb and .nvdb do");
+    }
+    return save_densely(made, path, context);
+  }
   if (made.dense) {
     made.grid = to_grid(*made.dense, band_of(options).exwidth * made.dense->spacing.x);
     made.dense.reset();

@@ -88,6 +88,8 @@ class Sampler {
   // Values of at most this size, inside and outside, say where the surface is; larger ones only
   // that it is further away. Infinite where all do.
   [[nodiscard]] virtual double reach() const { return std::numeric_limits<double>::infinity(); }
+  // The mark of its surface near a point, or -1 for that of the leaf: see Field::tagged().
+  [[nodiscard]] virtual int tag(const glm::dvec3& /*p*/) const { return -1; }
 };
 
 // How far from its surface a field looks at a sampler's values, by offsets, shells and blends.

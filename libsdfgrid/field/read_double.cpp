@@ -59,6 +59,13 @@ double leaf_value(const Program& program, const Instruction& at, const Point<dou
   return marked_ops().functions[at.op].leaf(constants_of(program, at), data_of(program, at), p);
 }
 
+// A sampler's own mark comes before the instruction's.
+int leaf_tag(const Program& program, const Instruction& at, const Point<double>& p) {
+  if (at.step != Step::sample) return at.tag;
+  const int own = sampler_of(program, at).tag({p.x, p.y, p.z});
+  return own >= 0 ? own : at.tag;
+}
+
 // One step of a program that carries marks beside values.
 void marked_step(const Program& program, const Instruction& at, std::vector<Marked>& values,
                  std::vector<Point<double>>& points) {
@@ -66,10 +73,11 @@ void marked_step(const Program& program, const Instruction& at, std::vector<Mark
   const float* c = constants_of(program, at);
   switch (at.step) {
     case Step::leaf:
-    case Step::sample:
-      values.push_back(
-          {leaf_value(program, at, leaf_point(at, points.back())), at.tag, at.constants});
+    case Step::sample: {
+      const Point<double> p = leaf_point(at, points.back());
+      values.push_back({leaf_value(program, at, p), leaf_tag(program, at, p), at.constants});
       break;
+    }
     case Step::combine: {
       const Marked b = values.back();
       values.pop_back();

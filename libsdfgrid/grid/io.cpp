@@ -134,8 +134,7 @@ void write_openvdb(const Grid& grid, std::ostream& out) {
   StreamArchive archive;
   archive.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
   openvdb::GridCPtrVec grids = {vdb(grid)};
-  const openvdb::Int32Grid::Ptr& paint = grid.storage().paint;
-  if (paint && !paint->tree().empty() && paint->activeVoxelCount() > 0) grids.push_back(paint);
+  if (has_paint(grid)) grids.push_back(grid.storage().paint);
   archive.write_to(out, grids);
 }
 

@@ -9,7 +9,7 @@
 namespace sdfgrid {
 
 // Writes the bytes of an uncompressed .nvdb file. Values, active states and tiles are those of the
-// grid; of its metadata only name, class and transform have a place there.
+// grid; of its metadata only name, class and transform have a place there. Paint is a second grid.
 void write_nanovdb(const Grid& grid, std::ostream& out);
 
 }  // namespace sdfgrid

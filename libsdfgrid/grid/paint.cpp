@@ -10,6 +10,11 @@ namespace sdfgrid {
 
 using PaintTree = openvdb::Int32Tree;
 
+bool has_paint(const Grid& grid) {
+  const openvdb::Int32Grid::Ptr& paint = grid.storage().paint;
+  return paint && !paint->tree().empty() && paint->activeVoxelCount() > 0;
+}
+
 std::map<int, std::size_t> paint_counts(const Grid& grid) {
   std::map<int, std::size_t> counts;
   if (!grid.storage().paint) return counts;

@@ -15,6 +15,8 @@ namespace sdfgrid {
 inline constexpr const char* kPaintName = "material";
 inline constexpr int kMostMaterial = 255;
 
+[[nodiscard]] bool has_paint(const Grid& grid);
+
 // How many samples each material has that is painted; empty for a grid without paint.
 [[nodiscard]] std::map<int, std::size_t> paint_counts(const Grid& grid);
 

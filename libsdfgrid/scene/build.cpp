@@ -10,9 +10,11 @@
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/field/formula.h"
 #include "sdfgrid/grid/convert.h"
+#include "sdfgrid/grid/paint.h"
 #include "sdfgrid/mesh/read.h"
 #include "sdfgrid/scene/files.h"
 #include "sdfgrid/scene/words.h"
+#include "sdfgrid/trace/atlas_seen.h"
 #include "sdfgrid/trace/grid_sampler.h"
 
 namespace sdfgrid {
@@ -245,8 +247,22 @@ class SceneBuilder {
     if (known.sampler != nullptr) return known.sampler;
     known.path = path;
     known.dim = mesh ? dim : 0;
-    known.sampler = make_sampler(mesh ? convert(known) : read_grid(path), job_);
+    const Grid grid = mesh ? convert(known) : read_grid(path);
+    known.sampler = make_sampler(grid, job_, paint_tags(grid));
     return known.sampler;
+  }
+
+  // The materials that a grid is painted with: the scene's of that number, or else as a grid alone
+  // shows them.
+  std::map<int, int> paint_tags(const Grid& grid) {
+    std::map<int, int> tags;
+    for (const auto& [material, count] : paint_counts(grid)) {
+      const auto next = static_cast<int>(model_.materials.size());
+      const auto [known, fresh] = tags_.try_emplace(std::to_string(material), next);
+      if (fresh) model_.materials.push_back(paint_look(material));
+      tags[material] = known->second;
+    }
+    return tags;
   }
 
   void warn(const std::string& text) {

@@ -6,10 +6,12 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/grid/paint.h"
 #include "sdfgrid/trace/trace.h"
 
 namespace sdfgrid {
@@ -161,9 +163,13 @@ double distance_to(const Box& box, const glm::dvec3& p) {
 
 class GridSampler : public Sampler {
  public:
-  GridSampler(Atlas atlas, const Box& box, const Job& job)
-      : atlas_(std::move(atlas)), box_(box), phi_(atlas_) {
+  GridSampler(Atlas atlas, const Grid& grid, std::map<int, int> paint_tags, const Job& job)
+      : atlas_(std::move(atlas)),
+        box_(grid.bounds()),
+        phi_(atlas_),
+        paint_tags_(std::move(paint_tags)) {
     phi_.measure(atlas_, job);
+    if (!paint_tags_.empty()) painted_ = grid;
   }
 
   void evaluate(int n, const float* x, const float* y, const float* z, float* out) const override {
@@ -190,11 +196,18 @@ class GridSampler : public Sampler {
   [[nodiscard]] double reach() const override {
     return std::min(phi_(atlas_.outside), -phi_(atlas_.inside)) * atlas_.lattice.voxel;
   }
+  [[nodiscard]] int tag(const glm::dvec3& p) const override {
+    if (!painted_) return -1;
+    const auto known = paint_tags_.find(PaintReader(*painted_).at(p));
+    return known != paint_tags_.end() ? known->second : -1;
+  }
 
  private:
   Atlas atlas_;
   Box box_;
   Flattening phi_;
+  std::map<int, int> paint_tags_;
+  std::optional<Grid> painted_;
 };
 
 }  // namespace
@@ -214,9 +227,10 @@ void check_has_inside(const Grid& grid) {
   if (grid.bounds().empty()) throw Error(ErrorKind::input, "the grid has no voxels");
 }
 
-std::shared_ptr<const Sampler> make_sampler(const Grid& grid, const Job& job) {
+std::shared_ptr<const Sampler> make_sampler(const Grid& grid, const Job& job,
+                                            const std::map<int, int>& paint_tags) {
   check_has_inside(grid);
-  return std::make_shared<GridSampler>(make_atlas(grid, job), grid.bounds(), job);
+  return std::make_shared<GridSampler>(make_atlas(grid, job), grid, paint_tags, job);
 }
 
 }  // namespace sdfgrid

@@ -1,6 +1,7 @@
 // trace/grid_sampler.h: a grid as a leaf of fields.
 #pragma once
 
+#include <map>
 #include <memory>
 
 #include "sdfgrid/core/job.h"
@@ -12,10 +13,11 @@ namespace sdfgrid {
 
 // The grid's trilinear field made 1-Lipschitz: where it is steeper than 1 at a value, values around
 // that are pressed together. Its zeros are those of the trilinear field, its other levels too, at
-// value_at(). Beyond the band it is the
-// background, and outside of the box of the active voxels the distance to that box if that is more.
-// Throws Error{input} for a grid without sign or without voxels.
-[[nodiscard]] std::shared_ptr<const Sampler> make_sampler(const Grid& grid, const Job& job);
+// value_at(). Beyond the band it is the background, and outside of the box of the active voxels the
+// distance to that box if that is more. Throws Error{input} for a grid without sign or without
+// voxels. `paint_tags` are the marks of painted materials.
+[[nodiscard]] std::shared_ptr<const Sampler> make_sampler(
+    const Grid& grid, const Job& job, const std::map<int, int>& paint_tags = {});
 
 // Throws what make_sampler() throws.
 void check_has_inside(const Grid& grid);

@@ -3,6 +3,7 @@
 #include "sdfgrid/grid/paint.h"
 
 #include <gtest/gtest.h>
+#include <nanovdb/util/IO.h>
 
 #include <cmath>
 #include <filesystem>
@@ -136,6 +137,32 @@ TEST(Paint, IsStoredBesideTheDistances) {
   ASSERT_TRUE(sculptor.undo());
   write_grid(grid, folder.path("undone.vdb"));
   EXPECT_EQ(bytes_of(folder.path("undone.vdb")), bytes_of(folder.path("plain.vdb")));
+}
+
+TEST(Paint, NanoVdbHoldsItAsASecondGrid) {
+  const Folder folder;
+  const Grid grid = ball_grid(12);
+  write_grid(grid, folder.path("plain.nvdb"));
+  EXPECT_EQ(nanovdb::io::readGrids(folder.path("plain.nvdb")).size(), 1U);
+  Sculptor sculptor(grid);
+  (void)sculptor.apply(paint_stroke({12, 0, 0}, 6, 7), Job());
+  write_grid(grid, folder.path("painted.nvdb"));
+  const auto distances = nanovdb::io::readGrid(folder.path("painted.nvdb"), grid.name());
+  const auto paint = nanovdb::io::readGrid(folder.path("painted.nvdb"), kPaintName);
+  ASSERT_NE(distances.grid<float>(), nullptr);
+  ASSERT_NE(paint.grid<std::int32_t>(), nullptr);
+  const std::vector<int> expected = paint_of(grid);
+  const auto values = distances.grid<float>()->getAccessor();
+  const auto materials = paint.grid<std::int32_t>()->getAccessor();
+  std::size_t i = 0;
+  for (int x = -kExtent; x <= kExtent; ++x) {
+    for (int y = -kExtent; y <= kExtent; ++y) {
+      for (int z = -kExtent; z <= kExtent; ++z) {
+        ASSERT_EQ(values.getValue({x, y, z}), grid.value({x, y, z}));
+        ASSERT_EQ(materials.getValue({x, y, z}), expected[i++]) << x << " " << y << " " << z;
+      }
+    }
+  }
 }
 
 // Where little weight lies on painted samples the point is not painted, and the other way round.

@@ -157,6 +157,9 @@ TEST_F(SculptApp, StampsAndPaintReachTheFile) {
   const json info = json::parse(run({"info", out_, "--json"}).out);
   EXPECT_GT(info["paint"]["3"], 100);
   EXPECT_GT(info["bounds"][1][0], 1.1);  // the small cube on the corner
+  const Outcome dense = run({"convert", out_, "-o", folder_.path("dense.npy")});
+  EXPECT_EQ(dense.exit, 0);
+  EXPECT_NE(dense.error.find("holds no paint"), std::string::npos) << dense.error;
   const std::string picture = folder_.path("picture.exr");
   EXPECT_EQ(run({"render", out_, "-o", picture, "--size", "32x32", "--aov", "id"}).exit, 0);
 }

@@ -9,10 +9,13 @@
 
 #include "app/process.h"
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/edit/sculptor.h"
 #include "sdfgrid/grid/convert.h"
+#include "sdfgrid/grid/convert_field.h"
 #include "sdfgrid/image/image.h"
 #include "sdfgrid/mesh/read.h"
 #include "sdfgrid/scene/build.h"
+#include "sdfgrid/trace/atlas_seen.h"
 
 namespace sdfgrid {
 namespace {
@@ -301,6 +304,49 @@ scene:
     ASSERT_LE(std::fabs(field(p) - field(q)), std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z) + 1e-5);
     last = p;
   }
+}
+
+// The materials of painted parts: the scene's of that number, else those that a grid alone shows;
+// what is not painted has its node's.
+TEST(Scene, AGridBringsItsPaint) {
+  const test::Folder folder;
+  FieldConvertOptions options;
+  options.dim = 40;
+  const Grid grid = convert_field(make_field("sphere"), options, Job()).grid;
+  Sculptor sculptor(grid);
+  for (const int material : {3, 7}) {
+    Stroke stroke;
+    stroke.op = StrokeOp::paint;
+    stroke.material = material;
+    stroke.brush.radius = 0.4;
+    stroke.path = {{material == 3 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)}};
+    (void)sculptor.apply(stroke, Job());
+  }
+  write_grid(grid, folder.path("ball.vdb"));
+  const std::string path = folder.write("s.yaml", R"(
+sdfgrid: 1
+materials: {clay: {}, "7": {diffuse: [0.1, 0.2, 0.3]}}
+scene:
+  difference:
+    - grid: {file: ball.vdb}
+      material: clay
+      at: [5, 0, 0]
+      scale: 2
+    - {sphere: {radius: 0.5}, at: [7, 0, 0]}
+)");
+  const SceneModel model = build_scene(read_scene(path).scene, path, 0, Job());
+  ASSERT_EQ(model.materials.size(), 3U);
+  EXPECT_EQ(model.materials[1].diffuse, glm::vec3(0.1F, 0.2F, 0.3F));
+  EXPECT_EQ(model.materials[2].diffuse, paint_look(3).diffuse);
+  const double x = 2 * std::cos(0.3);
+  const double y = 2 * std::sin(0.3);
+  EXPECT_EQ(model.field.tag_at({5 + x, y, 0}), 2);  // painted with 3
+  EXPECT_EQ(model.field.tag_at({5 + y, x, 0}), 1);  // and with 7
+  EXPECT_EQ(model.field.tag_at({5, 0, 2}), 0);      // not at all
+  EXPECT_EQ(model.field.tag_at({6.5, 0, 0}), -1);   // cut by the ball, which has no material
+  EXPECT_EQ(model.field.pruned({glm::dvec3(5 + x, y, -0.1), glm::dvec3(5 + x, y, 0.1)})
+                .tag_at({5 + x, y, 0}),
+            2);
 }
 
 // A picture in a file is its grey values as they are stored, whatever its channels.
