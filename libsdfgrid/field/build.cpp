@@ -5,10 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdfgrid/field/field_reading.h"
+#include "sdfgrid/field/formula_fault.h"
 #include "sdfgrid/field/slope.h"
 
 namespace sdfgrid {
 namespace {
+
+using ops::kInfinity;
 
 Error refused_op(const OpInfo& op, const std::string& what) {
   return {ErrorKind::input, fmt::format("{}: {}", op.name, what)};
@@ -82,7 +86,10 @@ std::vector<double> CheckedArguments::numbers(std::string_view name) const {
     throw refused(fmt::format("`{}` is a list of triples, but has {} numbers", name, v.size()));
   }
   for (const double number : v) {
-    if (!std::isfinite(number)) throw refused(fmt::format("`{}` is not a finite number", name));
+    const bool unlimited = std::isinf(number) && number == p.hi;
+    if (!std::isfinite(number) && !unlimited) {
+      throw refused(fmt::format("`{}` is not a finite number", name));
+    }
     if (number < p.lo || number > p.hi) {
       throw refused(
           fmt::format("`{}` is {:g}; give a value from {:g} to {:g}", name, number, p.lo, p.hi));
@@ -174,6 +181,68 @@ Field within_region(const Field& raw, const Box& box, double slope) {
   return make_field(std::move(draft));
 }
 
+namespace {
+
+// The box as the region op holds it, its middle and half its edges as floats.
+Box held_region(const Box& box) {
+  Box held;
+  for (int a = 0; a < 3; ++a) {
+    const auto center = static_cast<float>(box.center()[a]);
+    const auto half = static_cast<float>(0.5 * box.size()[a]);
+    held.lo[a] = center - half;
+    held.hi[a] = center + half;
+  }
+  return held;
+}
+
+std::string written(const glm::dvec3& p) {
+  return fmt::format("({:g}, {:g}, {:g})", p.x, p.y, p.z);
+}
+
+// Why a slope has no bound: `raw` ends with the op.
+FormulaFault fault_of(const OpInfo& op, const Field& raw, const Box& cell) {
+  const std::string_view name = op.name;
+  if (name != "formula" && name != "formula_displace") return {};
+  return formula_fault(ops::data_of(raw.program(), raw.program().code.back()), cell);
+}
+
+constexpr double kSteepest = 1e6;
+
+std::string too_steep(const OpInfo& op, const Field& raw, const Box& region,
+                      const Steepest& steepest) {
+  const bool formula = std::string_view(op.name) == "formula";
+  const std::string where =
+      fmt::format("on the region from {} to {}", written(region.lo), written(region.hi));
+  if (steepest.slope < kInfinity) {
+    return fmt::format("its slope may be {:.3g} {}, and {:g} is the most; {}", steepest.slope,
+                       where, kSteepest,
+                       formula ? "divide the formula by a number, which moves no surface, or give "
+                                 "smaller `bounds`"
+                               : "use smaller parameters or another region");
+  }
+  const std::string near = written(steepest.cell.center());
+  const FormulaFault fault = fault_of(op, raw, steepest.cell);
+  const char* const away = formula ? "give `bounds` without it, or order: 1, an estimate without a "
+                                     "bound"
+                                   : "use another formula, or a node that is not near it";
+  if (fault.jumps) {
+    return fmt::format(
+        "`{}` jumps {}, near {}, where no step is safe; `repeat` makes copies of a solid, abs, min "
+        "and max make kinks; else {}",
+        fault.name, where, near, away);
+  }
+  if (fault.name != nullptr) {
+    return fmt::format("`{}` has a slope without bound {}, near {}; {}", fault.name, where, near,
+                       away);
+  }
+  return fmt::format(
+      "its slope has no bound {}; keep away from where it degenerates: use smaller "
+      "parameters or another region{}",
+      where, formula ? ", or order: 1, an estimate without a bound" : "");
+}
+
+}  // namespace
+
 Field bounded_by_region(const OpInfo& op, const Field& raw, const std::optional<Box>& given) {
   Box box = given ? *given : raw.bounds();
   if (box.empty()) return {};
@@ -185,16 +254,9 @@ Field bounded_by_region(const OpInfo& op, const Field& raw, const std::optional<
     const glm::dvec3 more = 0.01 * size + glm::dvec3(margin);
     box = {box.lo - more, box.hi + more};
   }
-  const double slope = refined_slope(raw.program(), box);
-  if (!(slope < 1e6)) {
-    throw refused_op(op,
-                     fmt::format("its slope has no bound on the region from ({:g}, {:g}, {:g}) to "
-                                 "({:g}, {:g}, {:g}); keep away from where it degenerates: use "
-                                 "smaller parameters, another region, or for a formula "
-                                 "order: 1, an estimate without a bound",
-                                 box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z));
-  }
-  return within_region(raw, box, std::max(slope * 1.000001, 1e-6));
+  const Steepest steepest = refined_slope(raw.program(), held_region(box));
+  if (!(steepest.slope < kSteepest)) throw refused_op(op, too_steep(op, raw, box, steepest));
+  return within_region(raw, box, std::max(steepest.slope * 1.000001, 1e-6));
 }
 
 }  // namespace sdfgrid

@@ -10,12 +10,15 @@
 #include <string>
 
 #include "sdfgrid/core/error.h"
-#include "sdfgrid/field/formula_code.h"
+#include "sdfgrid/field/formula_squares.h"
 
 namespace sdfgrid {
 namespace {
 
 using ops::FormulaOp;
+using Code = FormulaStep;
+using Codes = FormulaSteps;
+using CodeSpan = std::span<const Code>;
 
 constexpr int kDepth = 64;             // of parentheses and signs
 constexpr std::size_t kLength = 4096;  // of a formula and of its code
@@ -44,19 +47,15 @@ constexpr std::array kFunctions = {
     FormulaFunction{"max", 2, 64, "x, y, ...", "the largest"},
 };
 
-struct Code {
-  FormulaOp op;
-  double number;
-};
-
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 class Parser {
  public:
-  Parser(std::string_view text, double t) : text_(text), t_(t) {}
+  Parser(std::string_view text, double t, std::string_view variables)
+      : text_(text), t_(t), variables_(variables) {}
 
-  std::vector<Code> parse() {
+  Codes parse() {
     if (text_.size() > kLength) fail(0, fmt::format("longer than {} characters", kLength));
     sum();
     skip();
@@ -186,14 +185,21 @@ class Parser {
     while (at_ < text_.size() && (is_letter(text_[at_]) || is_digit(text_[at_]))) ++at_;
     const std::string_view word = text_.substr(place, at_ - place);
     if (next_is("(")) return call(word, place);
-    if (word == "x") return emit({FormulaOp::x, 0}, place);
-    if (word == "y") return emit({FormulaOp::y, 0}, place);
-    if (word == "z") return emit({FormulaOp::z, 0}, place);
+    if (word == "x" || word == "y" || word == "z") return variable(word[0], place);
     if (word == "t") return emit({FormulaOp::constant, t_}, place);
     if (word == "pi") return emit({FormulaOp::constant, std::numbers::pi}, place);
     if (word == "e") return emit({FormulaOp::constant, std::numbers::e}, place);
     fail(place, fmt::format("unknown name `{}`; known are x, y, z, t, pi, e and functions{}",
                             shortened(word), known_functions()));
+  }
+
+  void variable(char name, std::size_t place) {
+    if (variables_.find(name) == std::string_view::npos) {
+      fail(place, fmt::format("`{}` has no value here; {}", name,
+                              variables_.empty() ? "a number is wanted"
+                                                 : fmt::format("write it of {}", variables_)));
+    }
+    emit({static_cast<FormulaOp>(static_cast<int>(FormulaOp::x) + name - 'x'), 0}, place);
   }
 
   static std::string shortened(std::string_view word) { return std::string(word.substr(0, 40)); }
@@ -232,22 +238,22 @@ class Parser {
   // The functions that are one operation, and those made of several.
   void apply(std::string_view word, std::size_t place, std::size_t first) {
     constexpr std::pair<std::string_view, FormulaOp> kDirect[] = {
-        {"sqrt", FormulaOp::root},       {"abs", FormulaOp::absolute},
-        {"exp", FormulaOp::exponential}, {"log", FormulaOp::logarithm},
-        {"sin", FormulaOp::sine},        {"cos", FormulaOp::cosine},
-        {"acos", FormulaOp::arccosine},  {"floor", FormulaOp::floor_of},
-        {"sign", FormulaOp::sign_of}};
+        {"abs", FormulaOp::absolute},   {"exp", FormulaOp::exponential},
+        {"log", FormulaOp::logarithm},  {"sin", FormulaOp::sine},
+        {"cos", FormulaOp::cosine},     {"acos", FormulaOp::arccosine},
+        {"floor", FormulaOp::floor_of}, {"sign", FormulaOp::sign_of}};
     for (const auto& [name, op] : kDirect) {
       if (name == word) return one(op, place);
     }
+    if (word == "sqrt") return root(place);
     if (word == "atan2") return two(FormulaOp::arctangent2, place);
+    if (word == "mod") return two(FormulaOp::modulo, place);
     if (word == "pow") return raise(place);
     const auto constant = [&](double v) { emit({FormulaOp::constant, v}, place); };
-    const auto argument = [&,
-                           code = std::vector<Code>(
-                               code_.begin() + static_cast<std::ptrdiff_t>(first), code_.end())] {
-      for (const Code& c : code) emit(c, place);
-    };
+    const auto argument =
+        [&, code = Codes(code_.begin() + static_cast<std::ptrdiff_t>(first), code_.end())] {
+          for (const Code& c : code) emit(c, place);
+        };
     if (word == "tan") {
       one(FormulaOp::sine, place);
       argument();
@@ -261,34 +267,28 @@ class Parser {
     } else if (word == "atan") {
       constant(1);
       two(FormulaOp::arctangent2, place);
-    } else if (word == "mod") {
-      modulo(place, first);
     } else {
       hyperbolic(word, place, argument);
     }
   }
 
-  // a - b floor(a / b), on the code of a and b.
-  void modulo(std::size_t place, std::size_t first) {
-    const std::vector<Code> both(code_.begin() + static_cast<std::ptrdiff_t>(first), code_.end());
-    const std::size_t second = start_of_last(both);
-    two(FormulaOp::divide, place);
-    one(FormulaOp::floor_of, place);
-    for (std::size_t i = second; i < both.size(); ++i) emit(both[i], place);
-    two(FormulaOp::multiply, place);
-    one(FormulaOp::negative, place);
-    for (std::size_t i = 0; i < second; ++i) emit(both[i], place);
-    two(FormulaOp::add, place);
-  }
-  // Where the code of the uppermost value begins.
-  static std::size_t start_of_last(const std::vector<Code>& code) {
-    int needed = 1;
-    std::size_t i = code.size();
-    while (needed > 0) {
-      --i;
-      needed += ops::takes_two(code[i].op) ? 1 : (ops::takes_one(code[i].op) ? 0 : -1);
+  // The root of a sum of two or three squares is the length that it is: its slope has a bound at 0,
+  // where that of the root has none.
+  void root(std::size_t place) {
+    const std::size_t first = start_of_last(code_);
+    std::vector<Codes> terms;
+    const bool constant = code_.back().op == FormulaOp::constant;
+    if (constant || !roots_of_squares(CodeSpan(code_).subspan(first), terms) || terms.size() > 3) {
+      return one(FormulaOp::root, place);
     }
-    return i;
+    code_.resize(first);
+    --stack_;
+    for (const Codes& term : terms) {
+      for (const Code& c : term) emit(c, place);
+    }
+    constexpr FormulaOp kLengths[] = {FormulaOp::absolute, FormulaOp::length_of_two,
+                                      FormulaOp::length_of_three};
+    emit({kLengths[terms.size() - 1], 0}, place);
   }
 
   // sinh, cosh and tanh from e^a and e^-a.
@@ -312,26 +312,25 @@ class Parser {
     }
   }
 
-  // The uppermost value to the power above it: a whole constant is a product.
+  // The uppermost value but one to the power above it: a whole constant is a product.
   void raise(std::size_t place) {
     const Code exponent = code_.back();
-    if (exponent.op == FormulaOp::constant && exponent.number == std::floor(exponent.number) &&
-        std::fabs(exponent.number) <= 64) {
-      code_.pop_back();
-      --stack_;
-      one(FormulaOp::raise, place, exponent.number);
-    } else if (exponent.op == FormulaOp::constant && exponent.number == 0.5) {
-      code_.pop_back();
-      --stack_;
-      one(FormulaOp::root, place);
-    } else {
-      two(FormulaOp::power, place);
+    const bool constant = exponent.op == FormulaOp::constant;
+    const bool whole =
+        exponent.number == std::floor(exponent.number) && std::fabs(exponent.number) <= 64;
+    const bool of_constant = code_[code_.size() - 2].op == FormulaOp::constant;
+    const bool root_only = exponent.number == 0.5;
+    if (!constant || !(whole || root_only || (exponent.number > 0 && !of_constant))) {
+      return two(FormulaOp::power, place);
     }
+    code_.pop_back();
+    --stack_;
+    if (root_only) return root(place);
+    one(whole ? FormulaOp::raise : FormulaOp::power_of, place, exponent.number);
   }
 
   void emit(const Code& code, std::size_t place) {
-    if (code.op <= FormulaOp::z) ++stack_;
-    if (ops::takes_two(code.op)) --stack_;
+    stack_ += 1 - ops::operands(code.op);
     if (stack_ > ops::kFormulaStack) fail(place, "too many open operations; simplify the formula");
     if (code_.size() >= kLength) fail(place, "too many operations; simplify the formula");
     code_.push_back(code);
@@ -375,19 +374,20 @@ class Parser {
 
   std::string_view text_;
   double t_;
+  std::string_view variables_;
   std::size_t at_ = 0;
   int depth_ = 0;
   int stack_ = 0;
-  std::vector<Code> code_;
+  Codes code_;
 };
 
 }  // namespace
 
 std::span<const FormulaFunction> formula_functions() { return kFunctions; }
 
-std::vector<float> parse_formula(std::string_view text, double t) {
+std::vector<float> parse_formula(std::string_view text, double t, std::string_view variables) {
   std::vector<float> floats;
-  for (const Code& code : Parser(text, t).parse()) {
+  for (const Code& code : Parser(text, t, variables).parse()) {
     floats.push_back(static_cast<float>(code.op));
     floats.push_back(static_cast<float>(code.number));
   }
@@ -395,14 +395,7 @@ std::vector<float> parse_formula(std::string_view text, double t) {
 }
 
 double parse_number(std::string_view text, double t) {
-  Parser parser(text, t);
-  const std::vector<Code> code = parser.parse();
-  if (code.size() != 1 || code[0].op != FormulaOp::constant) {
-    const std::size_t place = text.find_first_of("xyz");
-    parser.fail(place == std::string_view::npos ? 0 : place,
-                "x, y and z have no value here: a number is wanted");
-  }
-  return code[0].number;
+  return Parser(text, t, "").parse()[0].number;
 }
 
 }  // namespace sdfgrid

@@ -24,8 +24,9 @@ struct FormulaFunction {
 [[nodiscard]] std::span<const FormulaFunction> formula_functions();
 
 // The formula as postfix code for the ops that run it (formula_code.h). Throws Error{input} with
-// the formula and a caret under the fault.
-[[nodiscard]] std::vector<float> parse_formula(std::string_view text, double t = 0);
+// the formula and a caret under the fault, also where it is of other variables than these.
+[[nodiscard]] std::vector<float> parse_formula(std::string_view text, double t = 0,
+                                               std::string_view variables = "xyz");
 
 // A formula without x, y and z: its value. Throws Error{input} likewise.
 [[nodiscard]] double parse_number(std::string_view text, double t = 0);

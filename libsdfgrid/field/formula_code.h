@@ -20,7 +20,11 @@ enum class FormulaOp {
   maximum,
   arctangent2,
   power,  // of two
-  raise,  // to the whole number that stands beside it
+  modulo,
+  length_of_two,
+  length_of_three,
+  raise,     // to the whole number that stands beside it
+  power_of,  // to the number above 0 that stands beside it
   root,
   absolute,
   exponential,
@@ -35,17 +39,24 @@ enum class FormulaOp {
 
 inline constexpr int kFormulaStack = 24;
 
-constexpr bool takes_two(FormulaOp op) { return op >= FormulaOp::add && op <= FormulaOp::power; }
-constexpr bool takes_one(FormulaOp op) { return op >= FormulaOp::raise; }
+// How many values an operation takes.
+constexpr int operands(FormulaOp op) {
+  if (op <= FormulaOp::z) return 0;
+  if (op <= FormulaOp::length_of_two) return 2;
+  return op == FormulaOp::length_of_three ? 3 : 1;
+}
 
 // a^n by squaring; of a negative n the inverse.
 template <class T>
 T raised(const T& a, int n) {
-  T r(1.0F);
+  int m = n < 0 ? -n : n;
+  if (m == 0) return T(1.0F);
   T base = a;
-  for (int m = n < 0 ? -n : n; m > 0; m /= 2) {
+  for (; m % 2 == 0; m /= 2) base = square(base);
+  T r = base;
+  for (m /= 2; m > 0; m /= 2) {
+    base = square(base);
     if (m % 2 != 0) r = r * base;
-    if (m > 1) base = square(base);
   }
   return n < 0 ? T(1.0F) / r : r;
 }
@@ -55,6 +66,8 @@ T apply_one(FormulaOp op, const T& a, float number) {
   switch (op) {
     case FormulaOp::raise:
       return raised(a, static_cast<int>(number));
+    case FormulaOp::power_of:
+      return pow(a, number);
     case FormulaOp::root:
       return sqrt(a);
     case FormulaOp::absolute:
@@ -95,28 +108,42 @@ T apply_two(FormulaOp op, const T& a, const T& b) {
       return max(a, b);
     case FormulaOp::arctangent2:
       return atan2(a, b);
+    case FormulaOp::modulo:
+      return a - b * floor(a / b);
+    case FormulaOp::length_of_two:
+      return length(a, b);
     default:
       return exp(log(a) * b);  // of a > 0
   }
 }
 
-template <class T>
-T run_formula(Data code, const Point<T>& p) {
+struct Unwatched {
+  template <class T>
+  void operator()(FormulaOp, const T&) const {}
+};
+
+// The formula at p. watch(operation, value) is told every step.
+template <class T, class Watch = Unwatched>
+T run_formula(Data code, const Point<T>& p, const Watch& watch = {}) {
   T stack[kFormulaStack];
   int top = 0;
   for (int i = 0; i + 1 < code.count; i += 2) {
     const auto op = static_cast<FormulaOp>(static_cast<int>(code.values[i]));
     const float number = code.values[i + 1];
+    top += 1 - operands(op);
+    T& out = stack[top - 1];
     if (op == FormulaOp::constant) {
-      stack[top++] = T(number);
+      out = T(number);
     } else if (op <= FormulaOp::z) {
-      stack[top++] = op == FormulaOp::x ? p.x : (op == FormulaOp::y ? p.y : p.z);
-    } else if (takes_two(op)) {
-      --top;
-      stack[top - 1] = apply_two(op, stack[top - 1], stack[top]);
+      out = op == FormulaOp::x ? p.x : (op == FormulaOp::y ? p.y : p.z);
+    } else if (op == FormulaOp::length_of_three) {
+      out = length(out, stack[top], stack[top + 1]);
+    } else if (operands(op) == 2) {
+      out = apply_two(op, out, stack[top]);
     } else {
-      stack[top - 1] = apply_one(op, stack[top - 1], number);
+      out = apply_one(op, out, number);
     }
+    watch(op, out);
   }
   return stack[0];
 }

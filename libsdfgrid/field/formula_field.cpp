@@ -99,7 +99,7 @@ std::optional<Field> closed_form(const std::vector<float>& code, const FunctionG
 Field Function::make(const std::vector<Argument>& given) {
   const CheckedArguments arguments({&info, parameters}, given);
   const std::vector<float> code =
-      parse_formula(arguments.text("f", nullptr), arguments.number("t"));
+      parse_formula(arguments.text("f", nullptr), arguments.number("t"), "x");
   const double from = arguments.number("from");
   const double to = arguments.number("to");
   if (!(from < to)) throw arguments.refused("`from` must be less than `to`");

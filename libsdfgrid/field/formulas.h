@@ -23,8 +23,9 @@ struct Formula {
       OpRole::leaf,
       OpGuarantee::computed,
       "Where f(x, y, z, t) is negative. `certified` divides f by a bound on its gradient over the "
-      "region, so that no part of the surface is missed; 1 and 2 estimate the distance from the "
-      "first or second derivatives, which costs fewer steps and may miss thin parts.",
+      "region, so that no part of the surface is missed, and refuses what has none there, as where "
+      "floor, sign, mod or atan2 jump; 1 and 2 estimate the distance from the first or second "
+      "derivatives, which costs fewer steps and may miss thin parts.",
       "formula: {f: \"x^4 + y^4 + z^4 - x^2 - y^2 - z^2 + 0.4\", bounds: [[-1.3, -1.3, -1.3], "
       "[1.3, 1.3, 1.3]]}",
       "bound by intervals of the gradient; estimates: G. Taubin, Distance approximations for "
@@ -85,11 +86,11 @@ struct SecondOrder {
   template <class T>
   T distance(const Point<T>& p, Data code) const {
     const auto f = run_formula(code, with_derivatives(with_derivatives(p)));
-    T h(0.0F);
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) h = h + square(f.d[i].d[j]);
-    }
-    h = sqrt(h);
+    // By lengths, which have a slope where they are 0, as of formulas that are linear.
+    constexpr float kRootTwo = 1.41421356F;
+    const auto& d = f.d;
+    const T h = length(length(d[0].d[0], d[1].d[1], d[2].d[2]),
+                       length(d[0].d[1], d[0].d[2], d[1].d[2]) * kRootTwo);
     const T g = length(f.d[0].v, f.d[1].v, f.d[2].v);
     const T value = f.v.v;
     return value * 2.0F / max(g + sqrt(square(g) + h * abs(value) * 2.0F), T(1e-12F));
@@ -124,7 +125,7 @@ struct Function {
       "circular arcs (biarcs, K. M. Bolton 1975), proved by intervals to be within 1e-6 times the "
       "lesser of length and height of the graph, at kinks and jumps within 4e-6 f"};
   static constexpr Parameter parameters[] = {
-      {"f", ParameterKind::text, "length", {kRequired, 0, 0}, 0, 0, "of x (and t)"},
+      {"f", ParameterKind::text, "length", {kRequired, 0, 0}, 0, 0, "of x, in every mode, and t"},
       {"mode",
        ParameterKind::text,
        "",

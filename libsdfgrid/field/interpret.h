@@ -62,10 +62,12 @@ inline Data data_of(const Program& program, const Instruction& at) {
   return {program.pool->constants.data() + at.data, static_cast<int>(at.count)};
 }
 
-// The point in the space of a leaf.
+// The point in the space of a leaf; where it was not moved, without what rounding adds to
+// intervals.
 template <class T>
 Point<T> leaf_point(const Instruction& at, const Point<T>& p) {
-  return minus(p, at.offset);
+  const bool moved = at.offset[0] != 0 || at.offset[1] != 0 || at.offset[2] != 0;
+  return moved ? minus(p, at.offset) : p;
 }
 
 // Runs a program at p. `leaf(instruction, point)` is asked for each leaf's value, samplers

@@ -110,12 +110,14 @@ inline Interval abs(const Interval& a) {
   return {greater(greater(a.lo, -a.hi), 0), greater(-a.lo, a.hi)};
 }
 inline Interval sign(const Interval& a) { return {a.lo < 0 ? -1.0 : 1.0, a.hi < 0 ? -1.0 : 1.0}; }
+// What rounding never makes negative.
+inline Interval not_negative(const Interval& a) { return {greater(a.lo, 0), a.hi}; }
 inline Interval square(const Interval& a) {
   const Interval m = abs(a);
-  return widened(m.lo * m.lo, m.hi * m.hi);
+  return not_negative(widened(m.lo * m.lo, m.hi * m.hi));
 }
 inline Interval sqrt(const Interval& a) {
-  return widened(std::sqrt(greater(a.lo, 0)), std::sqrt(greater(a.hi, 0)));
+  return not_negative(widened(std::sqrt(greater(a.lo, 0)), std::sqrt(greater(a.hi, 0))));
 }
 // As sqrt(square(x) + ...), widened once, not at each step: floats round such a sum three times, of
 // which the root keeps half, and the root once more.
@@ -136,7 +138,7 @@ inline Interval length(const Interval& x, const Interval& y, const Interval& z) 
 }
 inline Interval floor(const Interval& a) { return {std::floor(a.lo), std::floor(a.hi)}; }
 inline Interval exp(const Interval& a) {
-  return widened(std::exp(a.lo), std::exp(a.hi), kFunctionSlack);
+  return not_negative(widened(std::exp(a.lo), std::exp(a.hi), kFunctionSlack));
 }
 inline Interval log(const Interval& a) {
   // Single precision ends at about e^-87.

@@ -34,7 +34,7 @@ inline double min(double a, double b) { return a < b ? a : b; }
 inline double max(double a, double b) { return a > b ? a : b; }
 inline double square(double a) { return a * a; }
 inline double sign(double a) { return a < 0 ? -1.0 : 1.0; }
-inline double pow(double a, double b) { return std::pow(a, b); }  // a >= 0
+inline double pow(double a, double b) { return a > 0 ? std::pow(a, b) : 0.0; }
 inline double select(bool m, double yes, double no) { return m ? yes : no; }
 
 template <class T>

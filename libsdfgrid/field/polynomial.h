@@ -63,6 +63,7 @@ inline Polynomial floor(const Polynomial&) { return Polynomial::none(); }
 inline Polynomial sign(const Polynomial&) { return Polynomial::none(); }
 inline Polynomial min(const Polynomial&, const Polynomial&) { return Polynomial::none(); }
 inline Polynomial max(const Polynomial&, const Polynomial&) { return Polynomial::none(); }
+inline Polynomial pow(const Polynomial&, float) { return Polynomial::none(); }
 inline Polynomial atan2(const Polynomial&, const Polynomial&) { return Polynomial::none(); }
 
 }  // namespace sdfgrid::ops

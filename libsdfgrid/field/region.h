@@ -45,12 +45,12 @@ struct Region {
   }
   double stretch(const Point<Interval>&) const { return 1; }
   // The slope of value() over the box p, where that of d is `slope`. The distance to the region is
-  // as steep as the space around it is stretched.
+  // as steep as the space around it is stretched, and the node times `scale` nowhere steeper.
   double slope(const Interval& d, double slope, const Point<Interval>& p, double stretch) const {
     const Interval depth = depth_in(p);
-    const double scaled = slope * scale;
+    const double scaled = std::fmin(slope * scale, stretch);
     const bool deep = depth.hi < 0 && (d * Interval(scale)).lo > depth.hi;
-    return deep ? scaled : std::fmax(stretch, scaled);
+    return deep ? scaled : stretch;
   }
   // What value() calls depth, over a box.
   Interval depth_in(const Point<Interval>& p) const {

@@ -34,13 +34,6 @@ struct SlopeOps {
   double (*stretch)(const float* c, const Point<Interval>& p) = nullptr;
 };
 
-// The length of the vector of `count` derivatives, at most.
-double norm(const Interval* d, int count) {
-  double sum = 0;
-  for (int i = 0; i < count; ++i) sum += magnitude(d[i]) * magnitude(d[i]);
-  return std::isnan(sum) ? kInfinity : std::sqrt(sum);
-}
-
 template <int N>
 Point<Dual<Interval, N>> variables(const Point<Interval>& p, int first) {
   using D = Dual<Interval, N>;
@@ -55,7 +48,7 @@ double leaf_slope(const float* c, Data data, const Point<Interval>& p) {
   if constexpr (Op::info.guarantee != OpGuarantee::computed) {
     return 1;
   } else {
-    return norm(leaf_value(load_op<Op>(c), variables<3>(p, 0), data).d.data(), 3);
+    return leaf_value(load_op<Op>(c), variables<3>(p, 0), data).steepness.most;
   }
 }
 
@@ -98,23 +91,8 @@ double map_stretch(const float* c, const Point<Interval>& p) {
   if constexpr (requires { op.stretch(p); }) {
     return op.stretch(p);
   } else {
-    // The Frobenius norm, and the mean of the largest row and column sums.
     const auto q = op.inside(variables<3>(p, 0));
-    const Dual<Interval, 3>* rows[3] = {&q.x, &q.y, &q.z};
-    double square_sum = 0;
-    double row[3] = {};
-    double column[3] = {};
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        const double m = magnitude(rows[i]->d[j]);
-        square_sum += m * m;
-        row[i] += m;
-        column[j] += m;
-      }
-    }
-    const double sums = *std::max_element(row, row + 3) * *std::max_element(column, column + 3);
-    const double r = std::sqrt(std::fmin(square_sum, sums));
-    return std::isnan(r) ? kInfinity : r;
+    return Dual<Interval, 3>::joint(q.x, q.y, q.z).most;
   }
 }
 
@@ -206,7 +184,7 @@ double slope_over(const Program& program, const Box& box) {
   return SlopeReading(program).over(box);
 }
 
-double refined_slope(const Program& program, const Box& box) {
+Steepest refined_slope(const Program& program, const Box& box) {
   constexpr int kSplits = 400;
   constexpr double kGain = 1.02;  // within this of a point's own slope nothing is left to gain
   std::priority_queue<Cell> cells;
@@ -223,7 +201,7 @@ double refined_slope(const Program& program, const Box& box) {
       cells.push({std::fmin(worst.slope, slope_over(program, part)), part});
     }
   }
-  return cells.top().slope;
+  return {cells.top().slope, cells.top().box};
 }
 
 }  // namespace sdfgrid

@@ -67,6 +67,11 @@ inline SmoothInterval log(const SmoothInterval& a) {
   return {tight(std::log(greater(a.v.lo, 0)), std::log(greater(a.v.hi, 0))),
           a.is & no_jump_if(a.v.lo > 0)};
 }
+// To a number above 0; 0 where a is below 0.
+inline SmoothInterval pow(const SmoothInterval& a, const Interval& b) {
+  return {tight(std::pow(greater(a.v.lo, 0), b.lo), std::pow(greater(a.v.hi, 0), b.lo)),
+          a.is & smooth_if(a.v.lo > 0)};
+}
 inline SmoothInterval cos(const SmoothInterval& a) {
   return {cos(a.v, (1 + magnitude(a.v)) * 0x1p-50), a.is};
 }

@@ -104,11 +104,15 @@ inline Text exp(const Text& a) { return text_of("exp", a); }
 inline Text log(const Text& a) { return text_of("log(max(" + a.name + ", 1.2e-38))"); }
 inline Text sin(const Text& a) { return text_of("sin", a); }
 inline Text cos(const Text& a) { return text_of("cos", a); }
-inline Text acos(const Text& a) { return text_of("acos(clamp(" + a.name + ", -1.0, 1.0))"); }
 // GLSL leaves atan(0, 0) and pow(0, b) open.
 inline Text atan2(const Text& y, const Text& x) {
   return text_of("(" + y.name + " == 0.0 && " + x.name + " == 0.0) ? 0.0 : atan(" + y.name + ", " +
                  x.name + ")");
+}
+// As the batch has it: GLSL's own may be off by 5e-4, and Mesa's is by 2e-4.
+inline Text acos(const Text& a) {
+  const Text x = text_of("clamp(" + a.name + ", -1.0, 1.0)");
+  return atan2(sqrt((Text(1.0) - x) * (Text(1.0) + x)), x);
 }
 inline Text pow(const Text& a, const Text& b) {
   return text_of(a.name + " > 0.0 ? pow(" + a.name + ", " + b.name + ") : 0.0");

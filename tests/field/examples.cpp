@@ -8,6 +8,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "sdfgrid/field/formula.h"
+
 using sdfgrid::Argument;
 using sdfgrid::Box;
 using sdfgrid::Field;
@@ -189,16 +191,50 @@ const char* const kForms[] = {
 Example form(const std::string& text) {
   const std::string word = text.substr(0, text.find(':'));
   const bool cubic = word == "bezier" && std::count(text.begin(), text.end(), '[') == 5;
-  return {sdfgrid::find_op(word), read_example(text), text, word == "points" || cubic};
+  const sdfgrid::OpEntry* op = sdfgrid::find_op(word);
+  const bool estimate = op->info->guarantee == sdfgrid::OpGuarantee::estimate ||
+                        text.find("order: ") != std::string::npos;
+  return {op, read_example(text), text, word == "points" || cubic, estimate};
+}
+
+// A surface across the box that is made of the function's values.
+std::string formula_calling(const sdfgrid::FormulaFunction& f) {
+  const std::string name(f.name);
+  const bool any = f.most > 2;
+  const char* const two = any ? ", 0.5 + 0.4*y" : ", 1.5 + 0.4*y";
+  const char* const middle = any ? ", 0.5" : ", 1.5";
+  const double level = sdfgrid::parse_number(name + "(0.5" + (f.least > 1 ? middle : "") + ")");
+  return name + "(0.5 + 0.4*x" + (f.least > 1 ? two : "") + ") + 0.5*z - " + std::to_string(level);
 }
 
 }  // namespace
+
+std::vector<std::string> example_formulas() {
+  std::vector<std::string> all;
+  for (const sdfgrid::FormulaFunction& f : sdfgrid::formula_functions()) {
+    all.push_back(formula_calling(f));
+  }
+  for (const char* text :
+       {"x^2 + y^2 + z^2 - 0.7", "sqrt(x^2 + y^2 + z^2) - 0.8", "sqrt(4*x^2 + (y + z)^2) - 0.5",
+        "(sqrt(x^2 + y^2) - 0.7)^2 + z^2 - 0.04", "abs(x)^2.5 + y^2 + z^2 - 0.8",
+        "(x + 1.5)^1.5 - 2*y*z - 1.5", "max(x*y, min(abs(z) - 0.3, sin(3*x)))",
+        "exp(-x^2) * cos(2*y) - z^3", "(x + 2)^y - 1 + z", "(x + 2)^-2 - 0.3 + z"}) {
+    all.emplace_back(text);
+  }
+  return all;
+}
 
 const std::vector<Example>& examples() {
   static const std::vector<Example> all = [] {
     std::vector<Example> made;
     for (const sdfgrid::OpEntry& op : sdfgrid::op_list()) made.push_back(form(op.info->example));
     for (const char* text : kForms) made.push_back(form(text));
+    for (const char* order : {"", ", order: 1", ", order: 2"}) {
+      for (const std::string& f : example_formulas()) {
+        made.push_back(
+            form("formula: {f: \"" + f + "\", bounds: [[-1, -1, -1], [1, 1, 1]]" + order + "}"));
+      }
+    }
     return made;
   }();
   return all;

@@ -14,10 +14,15 @@ struct Example {
   const sdfgrid::OpEntry* op;
   sdfgrid::Field field;
   std::string text;
-  bool sampled = false;  // a Sampler takes part
+  bool sampled = false;   // a Sampler takes part
+  bool estimate = false;  // no bound is promised
 };
 
-// The examples of all ops, then others of those that have several forms; and where they are worth
-// looking at.
+// Formulas for the box from -1 to 1: one for each function that formulas may call, where it has no
+// jump and no pole, and others with kinks, lengths and powers.
+std::vector<std::string> example_formulas();
+
+// The examples of all ops, then others of those that have several forms, then the formulas above,
+// certified and estimated; and where they are worth looking at.
 const std::vector<Example>& examples();
 sdfgrid::Box example_box(const sdfgrid::Field& field);

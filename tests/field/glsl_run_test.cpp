@@ -43,7 +43,10 @@ TEST(GlslRun, EveryOpHasTheValuesOfTheBatch) {
     }
     // An escaping orbit multiplies what was rounded at each turn: 0.0014 measured (mandelbulb).
     const bool orbit = e.op->info->guarantee == sdfgrid::OpGuarantee::estimate;
-    EXPECT_LT(worst, orbit ? 5e-3 : 3e-6);
+    // What GLSL's functions are off is divided by the gradient, which is half as long as the bound
+    // on it in the formulas here.
+    const bool divided = e.estimate && !orbit;
+    EXPECT_LT(worst, orbit ? 5e-3 : (divided ? 6e-6 : 3e-6));
     ++compared;
   }
   EXPECT_GT(compared, 60);

@@ -2,10 +2,12 @@
 sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/exact_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/examples.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/field_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/formula_safety_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/formula_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/glsl_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/graph_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/ops_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/pairs.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/slope_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/union_tree_test.cpp
              PACKAGES fmt::fmt)

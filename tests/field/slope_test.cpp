@@ -5,8 +5,10 @@
 #include <random>
 
 #include "field/examples.h"
+#include "field/pairs.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/field/local_bounds.h"
+#include "sdfgrid/field/warps.h"
 
 namespace {
 
@@ -25,7 +27,7 @@ glm::dvec3 random_point(const Box& box, std::mt19937& random) {
 TEST(SlopeOfEveryOps, HoldsTheGradientsOfABox) {
   for (const Example& e : examples()) {
     SCOPED_TRACE(e.text);
-    if (e.op->info->guarantee == sdfgrid::OpGuarantee::estimate) continue;
+    if (e.estimate) continue;
     std::mt19937 random(12);
     const Box whole = example_box(e.field);
     std::uniform_real_distribution<double> exponent(-3, 0);
@@ -137,25 +139,28 @@ TEST(LocalBounds, HoldInTheirCells) {
 }
 
 // Hart's (51), sqrt(4 + (pi / a')^2) with k = pi / a' * (1 / r) here: the pairs that test every op
-// show that a strong twist is steeper than it says, and no steeper than ours.
-TEST(Slope, HartsTwistConstantIsTooSmall) {
-  const double k = M_PI;  // at r = 1, half a turn a unit
-  const double harts = 2.236;
-  const double ours = 0.5 * (k + std::sqrt(k * k + 4));
-  const auto twisted_x = [&](const glm::dvec3& p) {  // a plane across x, twisted
-    return std::cos(k * p.z) * p.x + std::sin(k * p.z) * p.y;
+// report a twist that is read with it, or with any constant that is a tenth too small, and not
+// ours.
+TEST(Slope, PairsCatchWrongConstantsOfATwist) {
+  sdfgrid::ops::Twist twist{};
+  twist.turns = 0.5F;  // k = pi at r = 1
+  twist.prepare({});
+  const Box box{glm::dvec3(0.9, -0.1, -1), glm::dvec3(1, 0.1, 1)};
+  const Field node = make_field("plane", {{"normal", {1, 0, 0}}});
+  const auto excess = [&](double constant) {
+    const auto twisted = [&](Points& p) {
+      for (std::size_t i = 0; i < p.x.size(); ++i) {
+        const auto q = twist.inside(sdfgrid::ops::Point<double>{p.x[i], p.y[i], p.z[i]});
+        p.value[i] = static_cast<float>(node.gradient(glm::dvec3(q.x, q.y, q.z)).value);
+      }
+    };
+    return pair_excess(twisted, box, constant);
   };
-  std::mt19937 random(15);
-  const Box cylinder{glm::dvec3(-1), glm::dvec3(1)};
-  double steepest = 0;
-  for (int i = 0; i < 100000; ++i) {
-    const glm::dvec3 p = random_point(cylinder, random);
-    const glm::dvec3 q = p + 1e-3 * random_point(cylinder, random);
-    if (std::hypot(p.x, p.y) > 1 || std::hypot(q.x, q.y) > 1) continue;
-    steepest = std::fmax(steepest, std::fabs(twisted_x(p) - twisted_x(q)) / norm(p - q));
-  }
-  EXPECT_GT(steepest, 1.2 * harts);
-  EXPECT_LE(steepest, ours);
+  const double ours = twist.stretch({{0.9, 1}, {-0.1, 0.1}, {-1, 1}});
+  EXPECT_NEAR(ours, 0.5 * (M_PI + std::sqrt(M_PI * M_PI + 4)), 0.02);
+  EXPECT_LE(excess(ours), kRounding);
+  EXPECT_GT(excess(2.236), 1e-2);
+  EXPECT_GT(excess(0.9 * ours), 10 * kRounding);
 }
 
 TEST(Slope, IsRefusedWhereThereIsNone) {
