@@ -210,7 +210,7 @@ Field GeneralizedDistance::make(const std::vector<Argument>& given) {
   const CheckedArguments arguments({&info, parameters}, given);
   const auto& [name, normals, two_sided] =
       solid_named(arguments, arguments.text("solid", "icosahedron"));
-  const double exponent = arguments.number("exponent");
+  const double exponent = std::fmin(arguments.number("exponent"), 1000);  // flat from there on
   const double slope = exponent < 1000 ? largest_on_sphere(normals, exponent, two_sided) : 1;
   std::vector<float> list;
   for (const auto& n : normals) {

@@ -281,7 +281,8 @@ struct GeneralizedDistance {
   static constexpr bool kConvexSolid = true;
   static constexpr Parameter parameters[] = {
       {"solid", ParameterKind::text, "", {0, 0, 0}, 0, 0, "which; icosahedron unless said"},
-      number("exponent", 9, 1, 1e6, "of the norm; from 1000 on the faces are flat"),
+      number("exponent", 9, 1, kUnlimited,
+             "of the norm, up to infinity (.inf); from 1000 on the faces are flat"),
       size("radius", 1, "from the centre to the nearest faces")};
   static constexpr bool kList = true;  // normals, shorter than 1 where the face is farther out
   static Field make(const std::vector<Argument>& arguments);

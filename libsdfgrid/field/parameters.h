@@ -6,8 +6,9 @@
 namespace sdfgrid::ops {
 
 inline constexpr double kRequired = __builtin_nan("");
-inline constexpr double kAny = 1e9;     // no coordinate or length is larger
-inline constexpr double kSmall = 1e-6;  // no size is smaller
+inline constexpr double kAny = 1e9;                    // no coordinate or length is larger
+inline constexpr double kSmall = 1e-6;                 // no size is smaller
+inline constexpr double kUnlimited = __builtin_inf();  // as an upper limit: infinity is a value
 
 // A size: positive.
 constexpr Parameter size(const char* name, double fallback, const char* text) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/words.h"
@@ -23,8 +24,8 @@ using Names = std::vector<std::string>;
 constexpr int kVersion = 1;  // of the format
 
 const Names kTopWords = {"sdfgrid", "camera", "materials", "scene"};
-const Names kCameraWords = {"eye", "target", "up", "fov"};
-const Names kMaterialWords = {"diffuse", "specular", "exponent"};
+const NodeWord kCameraWords = {{"eye", "target", "up", "fov"}, {}, true, {}};
+const NodeWord kMaterialWords = {{"diffuse", "specular", "exponent"}, {}, true, {}};
 constexpr std::string_view kDisplace = "displace";
 // Ops that are nothing without their first node, or without any of them.
 const Names kOfFirst = {"difference", "smooth_difference"};
@@ -55,7 +56,7 @@ class SceneReader {
     if (const YamlNode* materials = find(root, "materials")) read_materials(*materials);
     for_keys(root, [&](const YamlNode& key, const YamlNode& value) {
       if (key.text == "camera") {
-        result_.scene.camera = read_values(value, "the camera", kCameraWords, {});
+        result_.scene.camera = read_values(value, "the camera", kCameraWords);
       } else if (key.text == "scene") {
         result_.scene.nodes = read_nodes(value);
       } else if (!contains(kTopWords, key.text)) {
@@ -115,10 +116,14 @@ class SceneReader {
     }
   }
 
-  SceneNumber read_number(const YamlNode& at) const {
+  // Infinity, as YAML writes it, only where it is one of a parameter's values.
+  SceneNumber read_number(const YamlNode& at, bool endless) const {
     if (at.kind != Kind::scalar || at.text.empty()) {
       refuse(at, "here must stand a number", "give one, or a formula of t in quotes");
     }
+    const bool infinite = at.text == ".inf" || at.text == ".Inf" || at.text == ".INF";
+    if (infinite && endless) return {std::numeric_limits<double>::infinity(), ""};
+    if (infinite) refuse(at, "a number must be finite", "give a finite one");
     char* end = nullptr;
     const double value = std::strtod(at.text.c_str(), &end);
     if (*end == 0) {
@@ -134,18 +139,18 @@ class SceneReader {
   }
 
   // Of lists in lists too: points, planes, matrices.
-  void read_numbers(const YamlNode& at, std::vector<SceneNumber>& numbers) const {
+  void read_numbers(const YamlNode& at, bool endless, std::vector<SceneNumber>& numbers) const {
     if (at.kind != Kind::list) {
-      numbers.push_back(read_number(at));
+      numbers.push_back(read_number(at, endless));
       return;
     }
-    for (const std::uint32_t item : at.items) read_numbers(node(item), numbers);
+    for (const std::uint32_t item : at.items) read_numbers(node(item), endless, numbers);
   }
 
   std::vector<SceneNumber> read_triple(const YamlNode& at, const std::string& name,
                                        bool one_will_do) const {
     std::vector<SceneNumber> numbers;
-    read_numbers(at, numbers);
+    read_numbers(at, false, numbers);
     if (numbers.size() != 3 && !(one_will_do && numbers.size() == 1)) {
       refuse(at, fmt::format("`{}` has {} numbers", name, numbers.size()),
              one_will_do ? "give one or three" : "give three");
@@ -153,13 +158,13 @@ class SceneReader {
     return numbers;
   }
 
-  void add_value(const YamlNode& key, const YamlNode& value, const Names& texts,
+  void add_value(const YamlNode& key, const YamlNode& value, const NodeWord& word,
                  std::vector<SceneValue>& values) {
     SceneValue v;
     v.name = key.text;
-    v.is_text = contains(texts, key.text);
+    v.is_text = contains(word.texts, key.text);
     if (!v.is_text) {
-      read_numbers(value, v.numbers);
+      read_numbers(value, contains(word.endless, key.text), v.numbers);
     } else if (value.kind == Kind::scalar) {
       v.text = value.text;
     } else {
@@ -169,18 +174,18 @@ class SceneReader {
   }
 
   std::vector<SceneValue> read_values(const YamlNode& map, const std::string& of,
-                                      const Names& numbers, const Names& texts) {
+                                      const NodeWord& word) {
     std::vector<SceneValue> values;
     if (map.kind == Kind::null) return values;
     if (map.kind != Kind::map) {
       refuse(map, of + " is given by words with values", "as in {fov: 40}");
     }
     for_keys(map, [&](const YamlNode& key, const YamlNode& value) {
-      if (contains(numbers, key.text) || contains(texts, key.text)) {
-        add_value(key, value, texts, values);
+      if (contains(word.numbers, key.text) || contains(word.texts, key.text)) {
+        add_value(key, value, word, values);
       } else {
-        Names words = numbers;
-        words.insert(words.end(), texts.begin(), texts.end());
+        Names words = word.numbers;
+        words.insert(words.end(), word.texts.begin(), word.texts.end());
         unknown(key, of, words);
       }
     });
@@ -192,8 +197,7 @@ class SceneReader {
     if (at.kind != Kind::map) refuse(at, "materials have names", "as in {clay: {specular: 0.3}}");
     for_keys(at, [&](const YamlNode& key, const YamlNode& value) {
       result_.scene.materials.push_back(
-          {key.text,
-           read_values(value, fmt::format("material `{}`", key.text), kMaterialWords, {})});
+          {key.text, read_values(value, fmt::format("material `{}`", key.text), kMaterialWords)});
       material_names_.push_back(key.text);
     });
   }
@@ -318,7 +322,7 @@ class SceneReader {
       } else if (key.text == "by" && value.kind == Kind::map && made.op.ends_with("_displace")) {
         read_displacement(value, word, made);
       } else if (contains(word.numbers, key.text) || contains(word.texts, key.text)) {
-        add_value(key, value, word.texts, made.values);
+        add_value(key, value, word, made.values);
       } else {
         Names words = word.numbers;
         words.insert(words.end(), word.texts.begin(), word.texts.end());
@@ -341,8 +345,7 @@ class SceneReader {
            "as in {displace: {by: {noise: {amplitude: 0.1}}, of: {sphere: {}}}}");
   }
   void read_displacement(const YamlNode& by, const NodeWord& word, SceneNode& made) {
-    const auto more =
-        read_values(node(by.items[1]), fmt::format("`{}`", made.op), word.numbers, word.texts);
+    const auto more = read_values(node(by.items[1]), fmt::format("`{}`", made.op), word);
     made.values.insert(made.values.end(), more.begin(), more.end());
   }
 

@@ -57,9 +57,10 @@ bool find_node_word(std::string_view word, NodeWord& found) {
   if (word == kGrid.name) op = &kWords[0];
   if (word == kMesh.name) op = &kWords[1];
   if (op == nullptr) return false;
-  found = {{}, {}, op->info->role == OpRole::leaf};
+  found = {{}, {}, op->info->role == OpRole::leaf, {}};
   for (const Parameter& p : op->parameters) {
     (p.kind == ParameterKind::text ? found.texts : found.numbers).emplace_back(p.name);
+    if (std::isinf(p.hi)) found.endless.emplace_back(p.name);
   }
   return true;
 }

@@ -17,6 +17,7 @@ struct NodeWord {
   std::vector<std::string> numbers;  // names of its parameters that are numbers
   std::vector<std::string> texts;    // of those that are texts
   bool leaf = false;
+  std::vector<std::string> endless;  // of the numbers: which may be infinite
 };
 
 // `grid`, `mesh` and `displace`, as the ops of op_list() say it of themselves.

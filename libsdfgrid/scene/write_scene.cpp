@@ -2,6 +2,7 @@
 // those under it deeper, what they take in flow style beside them.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iterator>
 #include <span>
 
@@ -28,7 +29,8 @@ std::string quoted(const std::string& text) {
 }
 
 std::string text_of(const SceneNumber& number) {
-  return number.formula.empty() ? fmt::format("{}", number.value) : quoted(number.formula);
+  if (!number.formula.empty()) return quoted(number.formula);
+  return std::isinf(number.value) ? ".inf" : fmt::format("{}", number.value);
 }
 
 // One number stands alone.

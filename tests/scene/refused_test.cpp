@@ -71,6 +71,8 @@ TEST(SceneRefused, Numbers) {
   expect_refused("sdfgrid: 1\nscene: [{sphere: {radius: .nan}}]\n", "line 2, column 27", "");
   expect_refused("sdfgrid: 1\nscene: [{sphere: {radius: \"1 +\"}}]\n", "line 2, column 27", "^");
   expect_refused("sdfgrid: 1\nscene: [{sphere: {radius: 1e999}}]\n", "line 2, column 27", "finite");
+  expect_refused("sdfgrid: 1\nscene: [{sphere: {radius: .inf}}]\n", "line 2, column 27", "finite");
+  expect_refused("sdfgrid: 1\nscene: [{gdf: {exponent: -.inf}}]\n", "line 2, column 26", "");
   expect_refused("sdfgrid: 1\nscene: [{sphere: {}, at: [1, 2]}]\n", "line 2, column 26", "three");
   expect_refused("sdfgrid: 1\nscene: [{sphere: {radius: -1}}]\n", "line 2", "`radius` is -1");
   expect_refused("sdfgrid: 1\nscene:\n- union:\n  - name: bad\n    box: {size: [1, 2]}\n",

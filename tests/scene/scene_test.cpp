@@ -137,6 +137,14 @@ TEST(Scene, NumbersAndTextsSurviveSaving) {
   EXPECT_EQ(parse_scene(scene_text(Scene()), "x").scene, Scene());
 }
 
+TEST(Scene, InfinityIsAnExponent) {
+  const std::string text = "sdfgrid: 1\nscene: {gdf: {solid: cube, exponent: .inf, radius: 0.5}}\n";
+  const SceneFile file = parse_scene(text, "a");
+  EXPECT_EQ(parse_scene(scene_text(file.scene), "b").scene, file.scene) << scene_text(file.scene);
+  // A cube within its faces.
+  EXPECT_NEAR(build(text).field({0.9F, 0.2F, -0.1F}), 0.4, 1e-5);
+}
+
 TEST(Scene, JsonIsYaml) {
   const SceneModel model = build(
       "{\n\t\"scene\": [{\"sphere\": {\"radius\": 2}, \"at\": [1, 0, 0]}],\n\t\"sdfgrid\": 1\n}\n");
