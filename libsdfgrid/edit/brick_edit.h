@@ -32,6 +32,10 @@ struct EditContext {
 void brush_distances(const Stroke& stroke, const StrokePlan& plan, const PlannedBrick& planned,
                      const EditContext& context, float* distances);
 
+// Distances of a brick's samples, voxels, to the box in which a stroke may add or take away: so far
+// within the grid's range that the band of what is cut off there ends in the range.
+void range_distances(const EditContext& context, const glm::ivec3& brick, float* distances);
+
 // Combines one brick with the union of its placements. edit.brick and edit.before are given.
 void combine_brick(const Stroke& stroke, const StrokePlan& plan, const PlannedBrick& planned,
                    const EditContext& context, BrickEdit& edit);
@@ -43,9 +47,11 @@ struct ClayDab {
   float strength = 0;          // with the pressure
   glm::vec3 normal{0.0F};      // of the plane to flatten to, outwards
   glm::vec3 from_plane{0.0F};  // from a point of that plane to the middle
+  bool clipped = false;        // whether it may reach beyond the range
 };
 
-// The same for clay tools. All active samples become suspects.
+// The same for clay tools, which move what is within the band and leave the rest alone: a sample at
+// the band's limit says only that the surface is further away. All active samples become suspects.
 void shape_brick(const Stroke& stroke, const ClayDab& dab, const EditContext& context,
                  BrickEdit& edit);
 

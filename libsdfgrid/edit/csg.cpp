@@ -14,7 +14,31 @@ CombineOp combine_op(StrokeOp op) {
   return op == StrokeOp::subtract ? CombineOp::subtract : CombineOp::intersect;
 }
 
-RoundSegment make_segment(const Placement& p, const glm::dvec3& first_sample) {
+// The part of a long segment that is nearest to samples of a brick: as a whole it would be too long
+// for single precision.
+Placement near_brick(const Placement& p, const glm::dvec3& first_sample) {
+  constexpr double kLong = 4096;  // voxels
+  const glm::dvec3 axis = p.to - p.from;
+  const double length = glm::length(axis);
+  const double growth = std::abs(p.radius_to - p.radius_from);
+  if (length <= kLong || length <= 2 * growth) return p;
+  const double t = glm::dot(first_sample + 3.5 - p.from, axis) / (length * length);
+  const double away = distance_to_segment(first_sample + 3.5, p.from, p.to);
+  // The nearest point is beside a sample's foot by the distance times the tangent of the cone's
+  // half angle, which is less than one.
+  const double half = (2 * (away + 8) + 16) / length;
+  const double begin = std::clamp(t - half, 0.0, 1.0);
+  const double end = std::clamp(t + half, 0.0, 1.0);
+  Placement part = p;
+  part.from = p.from + begin * axis;
+  part.to = p.from + end * axis;
+  part.radius_from = glm::mix(p.radius_from, p.radius_to, begin);
+  part.radius_to = glm::mix(p.radius_from, p.radius_to, end);
+  return part;
+}
+
+RoundSegment make_segment(const Placement& whole, const glm::dvec3& first_sample) {
+  const Placement p = near_brick(whole, first_sample);
   RoundSegment s{};
   glm::dvec3 axis = p.to - p.from;
   double growth = p.radius_to - p.radius_from;
@@ -109,11 +133,13 @@ void shape_distances(const BrushShape& shape, double voxel, const StrokePlan& pl
   float y[kBrickSamples];
   float z[kBrickSamples];
   float d[kBrickSamples];
-  const auto per_voxel = static_cast<float>(1 / voxel);
   for (std::uint32_t i = planned.begin; i < planned.end; ++i) {
     const Placement& p = plan.placements[plan.reaching[i]];
-    const glm::vec3 from((8.0 * glm::dvec3(planned.brick) - p.from) * p.flip * voxel);
-    const glm::vec3 step(p.flip * voxel);
+    // The shape scaled by f about its origin has the distances f d(x / f).
+    const glm::dvec3 scale = p.flip * (voxel / p.pressure);
+    const auto per_voxel = static_cast<float>(p.pressure / voxel);
+    const glm::vec3 from((8.0 * glm::dvec3(planned.brick) - p.from) * scale);
+    const glm::vec3 step(scale);
     for (int s = 0; s < kBrickSamples; ++s) {
       x[s] = from.x + step.x * static_cast<float>(s >> 6);
       y[s] = from.y + step.y * static_cast<float>(s >> 3 & 7);
@@ -128,21 +154,20 @@ void shape_distances(const BrushShape& shape, double voxel, const StrokePlan& pl
   }
 }
 
-// Cuts the brush off so far within the range that its band ends there.
-void clip_to_range(const IndexBox& range, double margin, const glm::ivec3& brick,
-                   float* distances) {
-  const glm::vec3 lo(glm::dvec3(range.lo) + margin);
-  const glm::vec3 hi(glm::dvec3(range.hi) - margin);
+}  // namespace
+
+void range_distances(const EditContext& context, const glm::ivec3& brick, float* distances) {
+  const double band = std::max(context.limits.outside, -context.limits.inside);
+  const double margin = band / context.lattice.voxel + 1;
+  const glm::vec3 lo(glm::dvec3(context.range.lo) + margin);
+  const glm::vec3 hi(glm::dvec3(context.range.hi) - margin);
   for (int s = 0; s < kBrickSamples; ++s) {
     const glm::vec3 p(8 * brick + glm::ivec3(s >> 6, s >> 3 & 7, s & 7));
     const glm::vec3 beyond = glm::max(lo - p, p - hi);
     const float farthest = std::max({beyond.x, beyond.y, beyond.z});
-    const float box = farthest < 0 ? farthest : glm::length(glm::max(beyond, glm::vec3(0.0F)));
-    distances[s] = std::max(distances[s], box);
+    distances[s] = farthest < 0 ? farthest : glm::length(glm::max(beyond, glm::vec3(0.0F)));
   }
 }
-
-}  // namespace
 
 void brush_distances(const Stroke& stroke, const StrokePlan& plan, const PlannedBrick& planned,
                      const EditContext& context, float* distances) {
@@ -155,8 +180,9 @@ void brush_distances(const Stroke& stroke, const StrokePlan& plan, const Planned
     ball_distances(plan, planned, distances);
   }
   if (plan.clipped) {
-    const double margin = std::max(context.limits.outside, -context.limits.inside) / voxel + 1;
-    clip_to_range(context.range, margin, planned.brick, distances);
+    float range[kBrickSamples];
+    range_distances(context, planned.brick, range);
+    for (int s = 0; s < kBrickSamples; ++s) distances[s] = std::max(distances[s], range[s]);
   }
 }
 

@@ -278,18 +278,16 @@ ClayDab Sculptor::Pass::dab_of(std::size_t placement) const {
   dab.middle = p.from;
   dab.radius = static_cast<float>(p.radius_from);
   dab.strength = static_cast<float>(stroke_.strength * p.pressure);
+  dab.clipped = plan_.clipped;
   if (stroke_.op != StrokeOp::flatten) return dab;
-  const std::size_t dabs = plan_.placements.size() >> stroke_.mirror.size();
-  dab.normal = normals_[placement / dabs];
-  dab.from_plane = glm::vec3(p.from - plan_.placements[placement / dabs * dabs].from);
+  dab.normal = normals_[p.image];
+  dab.from_plane = glm::vec3(p.from - plan_.starts[p.image]);
   return dab;
 }
 
 void Sculptor::Pass::find_normals() {
-  const std::size_t dabs = plan_.placements.size() >> stroke_.mirror.size();
   const double voxel = sculptor_.grid_.lattice().voxel;
-  for (std::size_t i = 0; i < plan_.placements.size(); i += dabs) {
-    const glm::dvec3 at = plan_.placements[i].from;
+  for (const glm::dvec3& at : plan_.starts) {
     const glm::ivec3 brick = glm::ivec3(glm::floor(at / 8.0));
     Block block;
     block.fill(sculptor_.bricks_, brick, 2, voxel);

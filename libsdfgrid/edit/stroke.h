@@ -60,7 +60,7 @@ struct Stamp {
 
 struct PathPoint {
   glm::dvec3 at{0.0};
-  double pressure = 1;  // scales the ball's radius and a clay tool's strength; in (0, 1]
+  double pressure = 1;  // scales the brush, and a clay tool's strength; in (0, 1]
 };
 
 // The plane of one coordinate: axis 0, 1 or 2 at `at`.

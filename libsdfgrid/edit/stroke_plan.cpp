@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/grid/paint.h"
@@ -15,6 +16,11 @@ namespace {
 
 constexpr double kHalfDiagonal = 6.0621778;  // from a brick's middle to its corner samples, voxels
 constexpr double kBytesPerBrick = 2200;
+// Beyond that single precision holds a distance to the brush to less than 0.01 voxel.
+constexpr double kLargestRadius = 1e5;  // voxels
+constexpr std::size_t kMostDabs = 10'000'000;
+constexpr std::size_t kMostImages = 1 << 12;  // of the path, by mirrors
+constexpr double kFarthest = 1e9;             // voxels from the grid's origin that a place may be
 
 void check_number(bool good, const char* what, double value) {
   if (!good) throw Error(ErrorKind::usage, fmt::format("{} is {:g}", what, value));
@@ -41,6 +47,9 @@ void check_stroke(const Stroke& stroke) {
     }
     check_number(positive(p.pressure) && p.pressure <= 1,
                  "the pressure must be above 0 and at most 1; one", p.pressure);
+  }
+  for (const MirrorPlane& plane : stroke.mirror) {
+    check_number(std::isfinite(plane.at), "the place of a mirror must be finite; one", plane.at);
   }
 }
 
@@ -69,7 +78,13 @@ class Planner {
   void place_at_points();
   void place_dabs(bool swept);
   void mirror();
+  bool same(const Placement& a, const Placement& b) const;
+  void add_images(const std::vector<Placement>& images);
   void warn();
+  struct Reach {
+    double all, in_range;  // bricks
+  };
+  Reach reached() const;
   void check_size() const;
   void find_bricks();
   bool continues(std::uint32_t first, std::uint32_t second) const;
@@ -89,7 +104,7 @@ void Planner::place_at_points() {
     Placement p;
     p.from = p.to = lattice_.to_index(point.at);
     p.pressure = point.pressure;
-    p.radius_from = p.radius_to = stroke_.brush.shape ? radius_ : radius_ * p.pressure;
+    p.radius_from = p.radius_to = radius_ * p.pressure;
     plan_.placements.push_back(p);
   }
   plan_.dabs = plan_.placements.size();
@@ -116,7 +131,7 @@ void Planner::place_along_path() {
 }
 
 // Dabs at equal distances along the whole path, the first and the last point among them; for a
-// swept ball they are only counted.
+// swept ball, which needs none, they are only counted.
 void Planner::place_dabs(bool swept) {
   double length = 0;
   std::vector<double> at = {0.0};
@@ -125,15 +140,17 @@ void Planner::place_dabs(bool swept) {
     at.push_back(length);
   }
   const double steps = std::ceil(length / (stroke_.spacing * radius_) - 1e-9);
-  constexpr double kMostDabs = 1e7;
-  if (!(steps < kMostDabs)) {
+  if (swept) {
+    plan_.dabs = static_cast<std::size_t>(std::clamp(steps, 0.0, 1e15)) + 1;
+    return;
+  }
+  if (!(steps < double(kMostDabs))) {
     throw Error(ErrorKind::usage, fmt::format("the stroke has about {:.3g} dabs, more than {:.0e}; "
                                               "use a larger spacing or a shorter path",
-                                              steps, kMostDabs));
+                                              steps, double(kMostDabs)));
   }
   const auto count = static_cast<std::size_t>(std::max(steps, 0.0)) + 1;
   plan_.dabs = count;
-  if (swept) return;
   std::size_t segment = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double s =
@@ -146,31 +163,81 @@ void Planner::place_dabs(bool swept) {
     Placement p;
     p.from = p.to = lattice_.to_index(glm::mix(a.at, b.at, t));
     p.pressure = glm::mix(a.pressure, b.pressure, t);
-    p.radius_from = p.radius_to = stroke_.brush.shape ? radius_ : radius_ * p.pressure;
+    p.radius_from = p.radius_to = radius_ * p.pressure;
     plan_.placements.push_back(p);
   }
 }
 
+// Whether two places hold the same balls; of shapes whether they are the same, too.
+bool Planner::same(const Placement& a, const Placement& b) const {
+  constexpr double kSame = 1e-6;  // voxels
+  const auto near = [](const glm::dvec3& p, const glm::dvec3& q) {
+    return glm::length(p - q) <= kSame;
+  };
+  if (shape_ != nullptr && a.flip != b.flip) return false;
+  if (a.pressure != b.pressure) return false;
+  const bool there = near(a.from, b.from) && near(a.to, b.to) && a.radius_from == b.radius_from &&
+                     a.radius_to == b.radius_to;
+  const bool back = near(a.from, b.to) && near(a.to, b.from) && a.radius_from == b.radius_to &&
+                    a.radius_to == b.radius_from;
+  return there || back;
+}
+
+// Adds those that are not there yet: a dab on its own mirror plane acts once.
+void Planner::add_images(const std::vector<Placement>& images) {
+  // By one number that equal places share to rounding.
+  const auto key = [](const Placement& p) {
+    return glm::dot(p.from + p.to, glm::dvec3(0.531, 0.707, 0.467));
+  };
+  std::vector<std::pair<double, std::size_t>> there;
+  for (std::size_t i = 0; i < plan_.placements.size(); ++i) {
+    there.emplace_back(key(plan_.placements[i]), i);
+  }
+  std::sort(there.begin(), there.end());
+  for (const Placement& image : images) {
+    constexpr double kRounding = 1e-5;
+    const double at = key(image);
+    bool found = false;
+    for (auto i = std::lower_bound(there.begin(), there.end(),
+                                   std::pair(at - kRounding, std::size_t{0}));
+         !found && i != there.end() && i->first <= at + kRounding; ++i) {
+      found = same(plan_.placements[i->second], image);
+    }
+    if (!found) plan_.placements.push_back(image);
+  }
+}
+
 void Planner::mirror() {
+  plan_.starts = {plan_.placements.front().from};
+  const std::size_t single = plan_.placements.size();
   for (const MirrorPlane& plane : stroke_.mirror) {
     const int a = plane.axis;
     const double at = 2 * (plane.at - lattice_.origin[a]) / lattice_.voxel;
-    const std::size_t count = plan_.placements.size();
-    for (std::size_t i = 0; i < count; ++i) {
-      Placement p = plan_.placements[i];
+    const auto count = static_cast<std::uint32_t>(plan_.starts.size());
+    for (std::uint32_t i = 0; i < count; ++i) {
+      glm::dvec3 start = plan_.starts[i];
+      start[a] = at - start[a];
+      plan_.starts.push_back(start);
+    }
+    std::vector<Placement> images = plan_.placements;
+    for (Placement& p : images) {
       p.from[a] = at - p.from[a];
       p.to[a] = at - p.to[a];
       p.flip[a] = -p.flip[a];
-      plan_.placements.push_back(p);
+      p.image += count;
     }
-    plan_.dabs *= 2;
+    add_images(images);
+    if (plan_.placements.size() <= kMostDabs && plan_.starts.size() <= kMostImages) continue;
+    throw Error(ErrorKind::usage, "the mirrors repeat the stroke too often; use fewer of them");
   }
+  plan_.dabs = plan_.dabs * plan_.placements.size() / single;
 }
 
 void Planner::reach(const Placement& p, glm::dvec3& lo, glm::dvec3& hi) const {
   if (shape_ != nullptr) {
-    const glm::dvec3 a = p.flip * shape_->bounds.lo / lattice_.voxel;
-    const glm::dvec3 b = p.flip * shape_->bounds.hi / lattice_.voxel;
+    const glm::dvec3 scale = p.flip * (p.pressure / lattice_.voxel);
+    const glm::dvec3 a = scale * shape_->bounds.lo;
+    const glm::dvec3 b = scale * shape_->bounds.hi;
     lo = p.from + glm::min(a, b) - limits_.margin;
     hi = p.from + glm::max(a, b) + limits_.margin;
     return;
@@ -200,21 +267,29 @@ void Planner::warn() {
   if (plan_.clipped) {
     const glm::dvec3 lo = lattice_.to_world(limits_.range.lo);
     const glm::dvec3 hi = lattice_.to_world(limits_.range.hi);
+    const glm::dvec3 largest = glm::max(glm::abs(lo), glm::abs(hi)) / lattice_.voxel;
+    const double voxels = std::max({largest.x, largest.y, largest.z, 1.0});
+    // So many that neighbouring voxels do not look the same.
+    const int digits = std::clamp(static_cast<int>(std::log10(voxels)) + 2, 4, 17);
     plan_.warnings.push_back(fmt::format(
-        "it reaches beyond the grid's range, {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g}, and was "
-        "cut off there",
-        lo.x, lo.y, lo.z, hi.x, hi.y, hi.z));
+        "it reaches beyond the grid's range, {1:.{0}g} {2:.{0}g} {3:.{0}g} to {4:.{0}g} {5:.{0}g} "
+        "{6:.{0}g}, and was cut off there",
+        digits, lo.x, lo.y, lo.z, hi.x, hi.y, hi.z));
   }
 }
 
-void Planner::check_size() const {
-  double bricks = 0;
-  glm::dvec3 lo(1e300);
-  glm::dvec3 hi(-1e300);
-  const auto bricks_of = [](const glm::dvec3& samples) {
-    const glm::dvec3 size = samples / 8.0 + 2.0;
+// About how many bricks the stroke reaches: all of them, and those in the range.
+Planner::Reach Planner::reached() const {
+  const auto bricks_of = [](const glm::dvec3& lo, const glm::dvec3& hi) {
+    if (glm::any(glm::greaterThan(lo, hi))) return 0.0;
+    const glm::dvec3 size = (hi - lo) / 8.0 + 2.0;
     return size.x * size.y * size.z;
   };
+  const glm::dvec3 first(limits_.range.lo);
+  const glm::dvec3 last(limits_.range.hi);
+  glm::dvec3 lo(1e300);
+  glm::dvec3 hi(-1e300);
+  Reach sum{0, 0};
   for (const Placement& p : plan_.placements) {
     glm::dvec3 from;
     glm::dvec3 to;
@@ -222,16 +297,39 @@ void Planner::check_size() const {
     lo = glm::min(lo, from);
     hi = glm::max(hi, to);
     const double r = std::max(p.radius_from, p.radius_to) + limits_.margin + kHalfDiagonal;
-    bricks += shape_ != nullptr
-                  ? bricks_of(to - from)
-                  : (4.18879 * r * r * r + 3.14159 * r * r * glm::length(p.to - p.from)) / 512;
+    const double all =
+        shape_ != nullptr
+            ? bricks_of(from, to)
+            : (4.18879 * r * r * r + 3.14159 * r * r * glm::length(p.to - p.from)) / 512;
+    sum.all += all;
+    sum.in_range += std::min(all, bricks_of(glm::max(from, first), glm::min(to, last)));
   }
-  const double most = std::min(bricks, bricks_of(hi - lo));  // dabs overlap
-  if (most <= limits_.max_bricks) return;
-  throw Error(ErrorKind::usage,
-              fmt::format("a stroke of radius {:.3g} voxels would touch about {:.2g} bricks "
-                          "({:.2g} GB), more than {:.2g}; use a smaller brush or a coarser grid",
-                          radius_, most, most * kBytesPerBrick * 1e-9, limits_.max_bricks));
+  // Dabs overlap.
+  return {std::min(sum.all, bricks_of(lo, hi)),
+          std::min(sum.in_range, bricks_of(glm::max(lo, first), glm::min(hi, last)))};
+}
+
+void Planner::check_size() const {
+  for (const Placement& p : plan_.placements) {
+    const glm::dvec3 far = glm::max(glm::abs(p.from), glm::abs(p.to));
+    const double farthest = std::max({far.x, far.y, far.z});
+    if (farthest <= kFarthest) continue;
+    throw Error(ErrorKind::usage,
+                fmt::format("a place of the brush is {:.2g} voxels from the grid's origin, more "
+                            "than {:.0e}; bring the path, or the mirror, nearer to the model",
+                            farthest, kFarthest));
+  }
+  const Reach reach = reached();
+  const bool large = radius_ > kLargestRadius;
+  if (!large && reach.in_range <= limits_.max_bricks) return;
+  const double most = large ? reach.all : reach.in_range;
+  throw Error(
+      ErrorKind::usage,
+      fmt::format(
+          "a stroke of radius {:.3g} voxels would touch about {:.2g} bricks ({:.2g} GB), "
+          "more than {:.2g}{}; use a smaller brush or a coarser grid",
+          radius_, most, most * kBytesPerBrick * 1e-9, limits_.max_bricks,
+          large ? fmt::format(", and brushes have at most {:.0e} voxels", kLargestRadius) : ""));
 }
 
 // Bricks as one number, in the order x, y, z.

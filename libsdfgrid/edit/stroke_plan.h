@@ -17,10 +17,11 @@ namespace sdfgrid {
 struct Placement {
   glm::dvec3 from{0.0};
   glm::dvec3 to{0.0};
-  double radius_from = 0;  // voxels; of a shape half its box's diagonal
+  double radius_from = 0;  // voxels, with the pressure; of a shape half its box's diagonal
   double radius_to = 0;
-  double pressure = 1;
-  glm::dvec3 flip{1.0};  // -1 along the axes in which a shape is mirrored
+  double pressure = 1;      // by which a shape is scaled about its origin
+  glm::dvec3 flip{1.0};     // -1 along the axes in which a shape is mirrored
+  std::uint32_t image = 0;  // of StrokePlan::starts
 };
 
 struct PlannedBrick {
@@ -35,6 +36,7 @@ struct StrokePlan {
   std::vector<Placement> placements;
   std::vector<PlannedBrick> bricks;     // in the order of their coordinates, x first
   std::vector<std::uint32_t> reaching;  // for each brick, the placements that reach it
+  std::vector<glm::dvec3> starts;       // where the path and each mirror image of it begin
   std::size_t dabs = 0;                 // places of the brush along its path, mirrored ones too
   bool clipped = false;                 // it reaches beyond the range
   std::vector<std::string> warnings;
@@ -49,8 +51,9 @@ struct PlanLimits {
 [[nodiscard]] double distance_to_segment(const glm::dvec3& p, const glm::dvec3& a,
                                          const glm::dvec3& b);
 
-// Throws Error{usage} for a stroke without a path, with numbers out of range, or with more bricks
-// in its reach than allowed (with the estimate).
+// Places that a mirror maps onto one that is there already are put down once. Throws Error{usage}
+// for a stroke without a path, with numbers out of range, with a brush of more than 1e5 voxels, or
+// with more bricks of the range in its reach than allowed (with the estimate).
 [[nodiscard]] StrokePlan plan_stroke(const Stroke& stroke, const Lattice& lattice,
                                      const PlanLimits& limits);
 
