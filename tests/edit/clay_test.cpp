@@ -132,5 +132,85 @@ TEST(Clay, SpaceWithoutASurfaceStaysEmpty) {
   EXPECT_THROW((void)sculptor.apply(clay(StrokeOp::flatten, {45, 0, 0}, 9, 1), Job()), Error);
 }
 
+// A sample at the band's limit says only that there is no surface near: no tool makes matter or
+// holes of it, not even where distances are never measured anew.
+TEST(Clay, BoundsAreNotMovedAsIfTheyWereDistances) {
+  for (const Redistance redistance : {Redistance::off, Redistance::local}) {
+    SculptOptions options;
+    options.redistance = redistance;
+    for (const StrokeOp op :
+         {StrokeOp::inflate, StrokeOp::deflate, StrokeOp::smooth, StrokeOp::pinch}) {
+      for (const glm::dvec3& at : {glm::dvec3(0, 0, 0), glm::dvec3(32, 0, 0)}) {
+        const Grid grid = ball_grid(20);
+        const Content before = content_of(grid, 40);
+        Sculptor sculptor(grid, options);
+        for (int i = 0; i < 8; ++i) (void)sculptor.apply(clay(op, at, 8, 1), Job());
+        const Content after = content_of(grid, 40);
+        double worst = 0;
+        for (std::size_t i = 0; i < before.size(); ++i) {
+          worst = std::max(worst, std::abs(double(after[i].first) - before[i].first) / 0.1);
+        }
+        // What is measured anew around the dab is a distance to the trilinear surface.
+        EXPECT_LT(worst, redistance == Redistance::off ? 1e-9 : 0.03)
+            << stroke_op_word(op) << " " << at.x;
+      }
+    }
+  }
+}
+
+// Where there is a surface, bounds move it as far as distances do, whatever the strength.
+TEST(Clay, WithoutReDistancingTheSurfaceMovesAsFar) {
+  for (const StrokeOp op : {StrokeOp::inflate, StrokeOp::deflate}) {
+    for (const double strength : {0.1, 0.5, 1.0}) {
+      const int dabs = static_cast<int>(std::round(5 / strength));
+      double moved[2];
+      for (const Redistance redistance : {Redistance::off, Redistance::local}) {
+        const Grid grid = ball_grid(15);
+        SculptOptions options;
+        options.redistance = redistance;
+        Sculptor sculptor(grid, options);
+        for (int i = 0; i < dabs; ++i) {
+          (void)sculptor.apply(clay(op, {15, 0, 0}, 12, strength), Job());
+        }
+        moved[redistance == Redistance::off ? 0 : 1] = surface_on_x(grid) - 15;
+      }
+      EXPECT_GT(std::abs(moved[1]), 3) << strength;
+      EXPECT_NEAR(moved[0], moved[1], 1) << strength;
+    }
+  }
+}
+
+// Growth ends at the range, closed, as that of a union does.
+TEST(Clay, EndsAtTheRange) {
+  for (const StrokeOp op :
+       {StrokeOp::inflate, StrokeOp::smooth, StrokeOp::pinch, StrokeOp::flatten}) {
+    for (const Redistance redistance : {Redistance::local, Redistance::off}) {
+      const Grid grid = ball_grid(15);
+      SculptOptions options;
+      options.redistance = redistance;
+      options.range = {{-25, -25, -25}, {25, 25, 25}};
+      Sculptor sculptor(grid, options);
+      Stroke stroke = clay(op, {15, 0, 0}, 12, 1);
+      if (op == StrokeOp::flatten) stroke.path = {{{0, 0, 1.5}}, {{1.2, 0, 1.2}}};
+      for (int i = 0; i < 16; ++i) {
+        const StrokeReport report = sculptor.apply(stroke, Job());
+        ASSERT_EQ(report.warnings.size(), 1U);
+      }
+      glm::ivec3 lo;
+      glm::ivec3 hi;
+      grid.active_bounds(lo, hi);
+      EXPECT_LE(std::max({hi.x, hi.y, hi.z}), 25) << stroke_op_word(op);
+      for (int y = -25; y <= 25; ++y) {
+        for (int z = -25; z <= 25; ++z) {
+          ASSERT_GT(grid.value({22, y, z}), 0) << stroke_op_word(op) << " " << y << " " << z;
+        }
+      }
+      if (op == StrokeOp::inflate) {
+        EXPECT_GT(surface_on_x(grid), 20);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sdfgrid
