@@ -11,32 +11,22 @@
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/edit/field_brush.h"
+#include "sdfgrid/edit/stroke_words.h"
+#include "sdfgrid/edit/yaml_checks.h"
 #include "sdfgrid/grid/paint.h"
 
 namespace sdfgrid {
 namespace {
 
-std::string place_of(const YAML::Node& node) {
-  return node.Mark().is_null() ? "" : fmt::format("line {}", node.Mark().line + 1);
-}
-
 // Reads one file's strokes; knows what to call it in messages.
-class Reader {
+class Reader : public YamlChecks {
  public:
   Reader(std::string source, StampSource stamps)
-      : source_(std::move(source)), stamps_(std::move(stamps)) {}
+      : YamlChecks(std::move(source)), stamps_(std::move(stamps)) {}
 
   Stroke stroke(const YAML::Node& node);
-  std::vector<std::string> warnings;
-
-  [[noreturn]] void refuse(const YAML::Node& node, const std::string& problem,
-                           const std::string& remedy) const {
-    throw input_error(source_, place_of(node), problem, remedy);
-  }
 
  private:
-  double number(const YAML::Node& node, const char* what) const;
-  std::vector<double> numbers(const YAML::Node& node, const char* what) const;
   void op(const YAML::Node& node, Stroke& stroke) const;
   Brush brush(const YAML::Node& node);
   Field field(const YAML::Node& node, bool& exact);
@@ -49,40 +39,22 @@ class Reader {
   std::vector<MirrorPlane> mirror(const YAML::Node& node) const;
   MirrorPlane plane(const YAML::Node& word, double at) const;
 
-  std::string source_;
   StampSource stamps_;
   std::vector<Stamp> used_;  // of the stroke that is read
 };
 
-double Reader::number(const YAML::Node& node, const char* what) const {
-  try {
-    return node.as<double>();
-  } catch (const YAML::Exception&) {
-    refuse(node, fmt::format("{} is not a number", what), "write it as in 0.25");
-  }
-}
-
-std::vector<double> Reader::numbers(const YAML::Node& node, const char* what) const {
-  std::vector<double> all;
-  if (!node.IsSequence()) return {number(node, what)};
-  for (const YAML::Node& item : node) all.push_back(number(item, what));
-  return all;
-}
-
-constexpr const char* kStampWord = "stamp";  // a union at the path's points alone
-
 void Reader::op(const YAML::Node& node, Stroke& stroke) const {
   const std::string given = node.IsScalar() ? node.Scalar() : "";
-  std::string words;
   for (int i = 0; i <= static_cast<int>(StrokeOp::paint); ++i) {
     stroke.op = static_cast<StrokeOp>(i);
     if (given == stroke_op_word(stroke.op)) return;
-    words += fmt::format("{}, ", stroke_op_word(stroke.op));
   }
   stroke.op = StrokeOp::unite;
   stroke.at_points = given == kStampWord;
   if (stroke.at_points) return;
-  refuse(node, fmt::format("no stroke does '{}'", given), "use one of " + words + kStampWord);
+  const std::vector<std::string> words = words_of_op();
+  refuse(node, fmt::format("no stroke does '{}'", given),
+         fmt::format("{}use one of {}", meant(given, words), joined(words)));
 }
 
 Argument Reader::argument(const std::string& name, const YAML::Node& node) const {
@@ -94,11 +66,15 @@ Argument Reader::argument(const std::string& name, const YAML::Node& node) const
     }
     return {name, values};
   }
+  if (!node.IsScalar()) {
+    refuse(node, fmt::format("'{}' has no value", name), "give it a number, a list or a text");
+  }
   try {
-    return {name, node.as<double>()};
+    (void)node.as<double>();
   } catch (const YAML::Exception&) {
     return {name, node.Scalar()};
   }
+  return {name, number(node, name.c_str())};
 }
 
 bool is_stamp(const YAML::Node& node) {
@@ -150,7 +126,8 @@ Field Reader::field(const YAML::Node& node, bool& exact) {
   const OpEntry* entry = find_op(word);
   if (entry == nullptr) {
     refuse(node, fmt::format("no brush is called '{}'", word),
-           "use sphere, box, capsule, torus, cylinder, cone, union, ... (docs/sculpting.md)");
+           meant(word, words_of_brush()) +
+               "use sphere, box, capsule, torus, cylinder, cone, union, ... (docs/sculpting.md)");
   }
   if (entry->info->guarantee != OpGuarantee::exact || entry->info->role == OpRole::combination) {
     exact = false;
@@ -166,6 +143,9 @@ Field Reader::field(const YAML::Node& node, bool& exact) {
   };
   if (body.IsSequence()) {
     add_nodes(body);
+  } else if (body.IsScalar()) {
+    refuse(body, fmt::format("{} has parameters, not one value", word),
+           "as in {sphere: {radius: 0.05}}");
   } else if (body.IsMap()) {
     for (const auto& item : body) {
       const auto name = item.first.as<std::string>();
@@ -188,9 +168,15 @@ Field Reader::field(const YAML::Node& node, bool& exact) {
 Brush Reader::brush(const YAML::Node& node) {
   Brush brush;
   if (node.IsMap() && node.size() == 1 && node["sphere"]) {
-    const YAML::Node radius = node["sphere"]["radius"];
-    if (!radius) refuse(node, "the sphere has no radius", "as in {sphere: {radius: 0.05}}");
-    brush.radius = number(radius, "radius");
+    const YAML::Node body = node["sphere"];
+    if (!body.IsMap() || !body["radius"]) {
+      const bool other = body.IsMap() && body.size() > 0;
+      refuse(node, "the sphere has no radius",
+             (other ? meant(body.begin()->first.Scalar(), {"radius"}) : "") +
+                 "write it as in {sphere: {radius: 0.05}}");
+    }
+    brush.radius = above_zero(body["radius"], "the radius");
+    warn_of_others(body, "a sphere", {"radius"});
     return brush;
   }
   if (is_stamp(node)) {
@@ -221,13 +207,15 @@ std::vector<PathPoint> Reader::path(const YAML::Node& node) const {
   std::vector<PathPoint> path;
   if (!node.IsSequence()) refuse(node, "the path is no list", "as in [[0, 0, 1], [0.2, 0, 1]]");
   for (const YAML::Node& item : node) {
-    const std::vector<double> values = numbers(item, "a coordinate");
+    const std::vector<double> values = numbers(item, "a number of the path");
     if (values.size() != 3 && values.size() != 4) {
       refuse(item, fmt::format("a point of the path has {} numbers", values.size()),
              "give x, y, z and, if you like, the pressure");
     }
-    path.push_back({{values[0], values[1], values[2]}, values.size() == 4 ? values[3] : 1.0});
+    path.push_back({{values[0], values[1], values[2]},
+                    values.size() == 4 ? share(item[3], "the pressure") : 1.0});
   }
+  if (path.empty()) refuse(node, "the path has no points", "give it one, as in [[0, 0, 1]]");
   return path;
 }
 
@@ -244,12 +232,16 @@ std::vector<MirrorPlane> Reader::mirror(const YAML::Node& node) const {
   std::vector<MirrorPlane> planes;
   if (!node.IsSequence()) refuse(node, "mirror is no list", "as in [x] or [{x: 0.5}]");
   for (const YAML::Node& item : node) {
-    if (item.IsMap() && item.size() == 1) {
-      planes.push_back(
-          plane(item.begin()->first, number(item.begin()->second, "the mirror's place")));
-    } else {
-      planes.push_back(plane(item, 0));
+    const bool placed = item.IsMap() && item.size() == 1;
+    const MirrorPlane next =
+        placed ? plane(item.begin()->first, number(item.begin()->second, "the mirror's place"))
+               : plane(item, 0);
+    for (const MirrorPlane& before : planes) {
+      if (before.axis != next.axis || before.at != next.at) continue;
+      refuse(item, fmt::format("the mirror {} = {:g} stands twice", "xyz"[next.axis], next.at),
+             "leave one out");
     }
+    planes.push_back(next);
   }
   return planes;
 }
@@ -272,6 +264,7 @@ Stroke Reader::stroke(const YAML::Node& node) {
   for (const char* needed : {"op", "brush", "path"}) {
     if (!node[needed]) refuse(node, fmt::format("the stroke has no {}", needed), "add it");
   }
+  warn_of_others(node, "a stroke", words_of_stroke());
   Stroke s;
   used_.clear();
   for (const auto& item : node) {
@@ -284,21 +277,22 @@ Stroke Reader::stroke(const YAML::Node& node) {
     } else if (word == "path") {
       s.path = path(value);
     } else if (word == "spacing") {
-      s.spacing = number(value, "spacing");
+      s.spacing = above_zero(value, "the spacing");
     } else if (word == "smooth") {
-      s.smooth = number(value, "smooth");
+      s.smooth = number(value, "the width of the blend");
+      if (s.smooth < 0) refuse(value, "the width of the blend is negative", "0 is a sharp edge");
     } else if (word == "strength") {
-      s.strength = number(value, "strength");
+      s.strength = share(value, "the strength");
     } else if (word == "material") {
       s.material = material(value);
     } else if (word == "mirror") {
       s.mirror = mirror(value);
-    } else if (word != "name") {
-      warnings.push_back(fmt::format(
-          "{}: {}: '{}' is no word of a stroke and was left out; there are op, brush, path, "
-          "spacing, smooth, strength, material, mirror and name",
-          source_, place_of(item.first), word));
     }
+  }
+  for (const auto& item : node) {
+    const std::string why = why_unused(s, item.first.Scalar());
+    if (why.empty()) continue;
+    warn(item.first, fmt::format("'{}' does nothing here: {}", item.first.Scalar(), why));
   }
   if (s.op == StrokeOp::paint && !node["material"]) {
     refuse(node, "paint has no material", "add it, as in material: 2; 0 takes paint away");
@@ -324,7 +318,12 @@ void rename_stamps(YAML::Node node, const std::vector<std::string>& files, std::
 
 YAML::Node load(const std::string& text, const std::string& source) {
   try {
-    return YAML::Load(text);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      throw input_error(source, place_of(documents[1]), "a second document begins here",
+                        "write one, without '---' between");
+    }
+    return documents.empty() ? YAML::Node() : documents[0];
   } catch (const YAML::Exception& e) {
     throw input_error(source, e.mark.is_null() ? "" : fmt::format("line {}", e.mark.line + 1),
                       e.msg, "mend the YAML there");
@@ -336,6 +335,8 @@ YAML::Node load(const std::string& text, const std::string& source) {
 StrokeFile parse_strokes(const std::string& text, const std::string& source,
                          const StampSource& stamps) {
   const YAML::Node root = load(text, source);
+  Reader reader(source, stamps);
+  reader.check_structure(root, text.size());
   if (!root.IsMap() || !root["sdfgrid-strokes"]) {
     throw input_error(source, "line 1", "this is no stroke file",
                       "begin it with 'sdfgrid-strokes: 1'");
@@ -344,14 +345,16 @@ StrokeFile parse_strokes(const std::string& text, const std::string& source,
     throw input_error(source, place_of(root["sdfgrid-strokes"]),
                       "it is of a version that this program does not know", "use version 1");
   }
+  reader.warn_of_others(root, "a stroke file", {"sdfgrid-strokes", "strokes"});
   const YAML::Node strokes = root["strokes"];
   if (!strokes || !strokes.IsSequence()) {
-    throw input_error(source, "", "it has no list of strokes", "add 'strokes:' and a list");
+    const std::string there = reader.warnings().empty() ? "" : " (" + reader.warnings()[0] + ")";
+    throw input_error(source, strokes ? place_of(strokes) : "line 1",
+                      "it has no list of strokes" + there, "add 'strokes:' and a list");
   }
-  Reader reader(source, stamps);
   StrokeFile file;
   for (const YAML::Node& node : strokes) file.strokes.push_back(reader.stroke(node));
-  file.warnings = reader.warnings;
+  file.warnings = reader.warnings();
   return file;
 }
 
@@ -365,7 +368,10 @@ StrokeFile read_strokes(const std::string& path, StampMaker* stamps) {
 }
 
 Stroke parse_stroke(const std::string& text, const std::string& source, const StampSource& stamps) {
-  return Reader(source, stamps).stroke(load(text, source));
+  const YAML::Node node = load(text, source);
+  Reader reader(source, stamps);
+  reader.check_structure(node, text.size());
+  return reader.stroke(node);
 }
 
 std::string with_stamp_files(const std::string& text, const std::vector<std::string>& files) {

@@ -1,11 +1,13 @@
 // Stroke files: what they say, what is refused, and brushes that are fields.
 #include "sdfgrid/edit/stroke_file.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <random>
 
 #include "edit/grids.h"
 #include "sdfgrid/core/error.h"
@@ -100,14 +102,147 @@ TEST(StrokeFile, RefusesWithLineAndRemedy) {
                  "axis");
 }
 
-TEST(StrokeFile, AnUnknownWordIsAWarning) {
-  const StrokeFile file = parse_strokes(
-      "sdfgrid-strokes: 1\nstrokes:\n"
-      "  - {op: union, brush: {sphere: {radius: 1}}, path: [[0,0,0]], spcing: 2}\n",
+// With the line, and what to write instead.
+TEST(StrokeFile, RefusesBrokenValuesWithTheLine) {
+  const std::string head = "sdfgrid-strokes: 1\nstrokes:\n  - ";
+  const std::string ball = "brush: {sphere: {radius: 1}}";
+  const auto refused = [&](const std::string& stroke, const std::string& what) {
+    expect_refused(head + stroke, what);
+    expect_refused(head + stroke, "line 3");
+    expect_refused(head + stroke, ";");  // and the remedy behind it
+  };
+  refused("{op: union, brush: {sphere: 0.05}, path: [[0,0,0]]}", "no radius");
+  refused("{op: union, brush: {sphere: [1, 2]}, path: [[0,0,0]]}", "no radius");
+  refused("{op: union, brush: {box: 0.05}, path: [[0,0,0]]}", "parameters");
+  refused("{op: union, brush: {[a]: {radius: 1}}, path: [[0,0,0]]}", "key");
+  refused("{op: union, [1, 2]: 3, " + ball + ", path: [[0,0,0]]}", "key");
+  refused("{op: union, " + ball + ", path: []}", "no points");
+  refused("{op: union, " + ball + ", path: [[0,0,0,0]]}", "pressure");
+  refused("{op: union, " + ball + ", path: [[0,0,0,1.5]]}", "pressure");
+  refused("{op: union, " + ball + ", path: [[0,.nan,0]]}", "nan");
+  refused("{op: union, brush: {sphere: {radius: 0}}, path: [[0,0,0]]}", "radius");
+  refused("{op: union, brush: {sphere: {radius: -1}}, path: [[0,0,0]]}", "radius");
+  refused("{op: union, brush: {sphere: {radius: .inf}}, path: [[0,0,0]]}", "radius");
+  refused("{op: union, brush: {box: {size: [1, .nan, 1]}}, path: [[0,0,0]]}", "size");
+  refused("{op: inflate, " + ball + ", path: [[0,0,0]], strength: 0}", "strength");
+  refused("{op: inflate, " + ball + ", path: [[0,0,0]], strength: 2}", "strength");
+  refused("{op: inflate, " + ball + ", path: [[0,0,0]], spacing: 0}", "spacing");
+  refused("{op: union, " + ball + ", path: [[0,0,0]], smooth: -1}", "blend");
+  refused("{op: union, " + ball + ", path: [[0,0,0]], mirror: [{x: .nan}]}", "mirror");
+  refused("{op: union, " + ball + ", path: [[0,0,0]], mirror: [x, {x: 0}]}", "stands twice");
+  refused("{op: union, op: difference, " + ball + ", path: [[0,0,0]]}", "'op' stands twice");
+  refused("{op: union, brush: {box: {size: 1, size: 2}}, path: [[0,0,0]]}", "stands twice");
+  refused("{op: union, brush: &a {union: [*a]}, path: [[0,0,0]]}", "deep");
+  expect_refused("sdfgrid-strokes: 1\nstrokes: []\n---\na: 1\n", "second document");
+  // The word that was meant.
+  refused("{op: union, brush: {sphere: {raduis: 1}}, path: [[0,0,0]]}", "did you mean 'radius'?");
+  refused("{op: unoin, " + ball + ", path: [[0,0,0]]}", "did you mean 'union'?");
+  refused("{op: union, brush: {spere: {radius: 1}}, path: [[0,0,0]]}", "did you mean 'sphere'?");
+  expect_refused("sdfgrid-strokes: 1\nstroks: []\n", "did you mean 'strokes'?");
+  std::string laughs = "sdfgrid-strokes: 1\na0: &a0 [1, 1]\n";
+  for (int i = 1; i < 40; ++i) laughs += fmt::format("a{0}: &a{0} [*a{1}, *a{1}]\n", i, i - 1);
+  expect_refused(laughs + "strokes: []\n", "aliases");
+}
+
+TEST(StrokeFile, WordsWithoutEffectAreWarnings) {
+  const auto warned = [](const std::string& stroke, const std::string& word,
+                         const std::string& why) {
+    const StrokeFile file =
+        parse_strokes("sdfgrid-strokes: 1\nstrokes:\n  - {" + stroke + "}\n", "file.yaml");
+    ASSERT_EQ(file.warnings.size(), 1U) << stroke;
+    for (const std::string& part : {std::string("file.yaml: line 3"), "'" + word + "'", why}) {
+      EXPECT_NE(file.warnings[0].find(part), std::string::npos) << file.warnings[0];
+    }
+  };
+  const std::string ball = "brush: {sphere: {radius: 1}}, path: [[0,0,0]], ";
+  const std::string box = "brush: {box: {size: 1}}, path: [[0,0,0]], ";
+  warned("op: union, " + ball + "spcing: 2", "spcing", "did you mean 'spacing'?");
+  warned("op: union, " + ball + "miror: [x]", "miror", "did you mean 'mirror'?");
+  warned("op: union, brush: {sphere: {radius: 1, raduis: 3}}, path: [[0,0,0]]", "raduis",
+         "did you mean 'radius'?");
+  warned("op: union, " + box + "strength: 1", "strength", "clay");
+  warned("op: difference, " + box + "material: 3", "material", "paint");
+  warned("op: inflate, " + ball + "material: 3", "material", "paint");
+  warned("op: inflate, " + ball + "smooth: 3", "smooth", "blend");
+  warned("op: paint, material: 1, " + ball + "strength: 1", "strength", "clay");
+  const StrokeFile good = parse_strokes(
+      "sdfgrid-strokes: 1\nversion: 3\nstrokes:\n  - {op: inflate, " + ball +
+          "strength: 1, spacing: 1}\n  - {op: union, " + box + "spacing: 1, smooth: 1}\n",
       "file.yaml");
-  ASSERT_EQ(file.warnings.size(), 1U);
-  EXPECT_NE(file.warnings[0].find("line 3"), std::string::npos);
-  EXPECT_NE(file.warnings[0].find("spcing"), std::string::npos);
+  ASSERT_EQ(good.warnings.size(), 1U);
+  EXPECT_NE(good.warnings[0].find("line 2: 'version'"), std::string::npos) << good.warnings[0];
+}
+
+// Puts another value, with all that it holds, in place of the one behind the next colon.
+void replace_value(std::string& text, std::size_t at, const std::string& value) {
+  const std::size_t begin = text.find(':', at);
+  if (begin == std::string::npos) return;
+  int depth = 0;
+  std::size_t end = begin + 1;
+  for (; end < text.size(); ++end) {
+    const char c = text[end];
+    if (depth == 0 && (c == ',' || c == '}' || c == ']' || c == '\n')) break;
+    depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
+  }
+  text.replace(begin, end - begin, ": " + value);
+}
+
+// Whatever is in a file, it is strokes or an error that says what is wrong with it.
+TEST(StrokeFile, FuzzedFilesAreRefusedOrRead) {
+  const std::string text = R"(sdfgrid-strokes: 1
+strokes:
+  - {op: union, brush: {sphere: {radius: 0.05}}, path: [[0,0,1], [0.2,0,1,0.5]], spacing: 0.3}
+  - {op: difference, brush: {box: {size: [0.1,0.1,0.4]}}, path: [[0,1,0]], smooth: 0.02, mirror: [x]}
+  - {op: stamp, brush: {grid: {file: a.vdb}}, path: [[0,1,0]]}
+  - {op: union, brush: {twist: {turns: 2, of: {box: {size: 1}}}}, path: [[0,1,0]], name: "a b"}
+  - {op: paint, material: 3, brush: &b {union: [{sphere: {radius: 1}}, {torus: {major: 1}}]}, path: [[1,2,3]]}
+  - {op: pinch, brush: *b, path: [[1, 2, 3]], strength: 0.25, mirror: [{z: 0.5}, y]}
+)";
+  const std::vector<std::string> pieces = {
+      "{",  "}",    "[",      "]",    ":",      ",",      "*b",      "&b ",    "\n",
+      "  ", "- ",   "~",      ".nan", "-.inf",  "1e300",  "-1",      "0",      "'",
+      "\"", "#",    "op",     "of",   "sphere", "union",  "brush",   "mirror", "path",
+      "? ", "!!x ", "<<: *b", "|\n",  "%",      "radius", "scene",   "grid",   "file",
+      "\t", "\xff", "{}",     "[]",   "{1: 2}", "[{}]",   "{[a]: 1}"};
+  std::mt19937 random(7);
+  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  int read = 0;
+  int refused = 0;
+  for (int run = 0; run < 3000; ++run) {
+    std::string fuzzed = text;
+    for (std::size_t edits = 1 + below(3); edits > 0; --edits) {
+      const std::size_t at = below(fuzzed.size());
+      switch (below(5)) {
+        case 0:
+          fuzzed[at] = static_cast<char>(below(256));
+          break;
+        case 1:
+          fuzzed.erase(at, 1 + below(12));
+          break;
+        case 2:
+          fuzzed.insert(at, fuzzed.substr(below(fuzzed.size()), below(30)));
+          break;
+        case 3:
+          replace_value(fuzzed, at, pieces[below(pieces.size())]);
+          break;
+        default:
+          fuzzed.insert(at, pieces[below(pieces.size())]);
+      }
+    }
+    try {
+      for (const Stroke& stroke : parse_strokes(fuzzed, "file.yaml").strokes) {
+        (void)parse_stroke(stroke.text, "again");
+      }
+      ++read;
+    } catch (const Error& e) {
+      ASSERT_EQ(e.kind(), ErrorKind::input) << e.what() << "\n" << fuzzed;
+      ++refused;
+    } catch (const std::exception& e) {
+      FAIL() << e.what() << "\n" << fuzzed;
+    }
+  }
+  EXPECT_GT(refused, 500);
+  EXPECT_EQ(read + refused, 3000);
 }
 
 // A box taken out of a ball, against the closed form where its sides are near.
