@@ -7,6 +7,7 @@
 #include <cstring>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <tuple>
 #include <unordered_map>
 
 #include "sdfgrid/core/error.h"
@@ -161,23 +162,20 @@ class Sculptor::Pass {
 
 // An intersection removes what is beyond the brush's reach, too.
 void Sculptor::Pass::add_bricks_beyond() {
-  std::vector<PlannedBrick> all;
-  const glm::ivec3 lo = sculptor_.options_.range.lo >> 3;
-  const glm::ivec3 hi = sculptor_.options_.range.hi >> 3;
+  const std::vector<glm::ivec3> there =
+      bricks_below(sculptor_.grid_, sculptor_.options_.range.lo >> 3,
+                   sculptor_.options_.range.hi >> 3, sculptor_.limits_.outside);
+  const std::vector<PlannedBrick> reached = std::move(plan_.bricks);
+  plan_.bricks.clear();
+  const auto before = [](const glm::ivec3& a, const glm::ivec3& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+  };
   std::size_t next = 0;
-  for (int x = lo.x; x <= hi.x; ++x) {
-    for (int y = lo.y; y <= hi.y; ++y) {
-      for (int z = lo.z; z <= hi.z; ++z) {
-        const glm::ivec3 brick(x, y, z);
-        if (next < plan_.bricks.size() && plan_.bricks[next].brick == brick) {
-          all.push_back(plan_.bricks[next++]);
-        } else if (!cannot_change(stroke_.op, sculptor_.bricks_.find(brick), sculptor_.limits_)) {
-          all.push_back({brick, 0, 0, false});
-        }
-      }
-    }
+  for (const glm::ivec3& brick : there) {
+    while (next < reached.size() && before(reached[next].brick, brick)) ++next;  // empty ones
+    const bool known = next < reached.size() && reached[next].brick == brick;
+    plan_.bricks.push_back(known ? reached[next] : PlannedBrick{brick, 0, 0, false});
   }
-  plan_.bricks = std::move(all);
 }
 
 void Sculptor::Pass::combine() {

@@ -1,6 +1,9 @@
 #include "sdfgrid/grid/bricks.h"
 
 #include <algorithm>
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+#include <tuple>
 
 #include "sdfgrid/grid/paint.h"
 #include "sdfgrid/grid/vdb.h"
@@ -120,6 +123,78 @@ std::vector<glm::ivec3> all_bricks(const Grid& grid) {
     bricks.emplace_back(at.x() >> 3, at.y() >> 3, at.z() >> 3);
   }
   return bricks;
+}
+
+namespace {
+
+// The bricks of a box that a part of the tree holds.
+class BrickFinder {
+ public:
+  BrickFinder(const glm::ivec3& first, const glm::ivec3& last, float outside)
+      : first_(first), last_(last), outside_(outside) {}
+
+  void add_node(const Tree::RootNodeType& root) {
+    for (auto tile = root.cbeginValueAll(); tile; ++tile) {
+      add_tile(tile.getCoord(), Tree::RootNodeType::ChildNodeType::DIM, *tile);
+    }
+    for (auto child = root.cbeginChildOn(); child; ++child) add_node(*child);
+  }
+  std::vector<glm::ivec3> take() {
+    std::sort(found_.begin(), found_.end(), [](const glm::ivec3& a, const glm::ivec3& b) {
+      return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+    });
+    return std::move(found_);
+  }
+
+ private:
+  template <class Inner>
+  void add_node(const Inner& node) {
+    if (!reaches(node.origin(), Inner::DIM)) return;
+    using Child = typename Inner::ChildNodeType;
+    for (openvdb::Index i = 0; i < Inner::NUM_VALUES; ++i) {
+      const auto& entry = node.getTable()[i];
+      if (!node.isChildMaskOn(i)) {
+        if (entry.getValue() < outside_) {
+          add_tile(node.offsetToGlobalCoord(i), Child::DIM, entry.getValue());
+        }
+      } else if constexpr (Child::LEVEL == 0) {
+        add_box(node.offsetToGlobalCoord(i), 8);
+      } else {
+        add_node(*entry.getChild());
+      }
+    }
+  }
+  void add_tile(const openvdb::Coord& at, openvdb::Index size, float value) {
+    if (value < outside_) add_box(at, size);
+  }
+  void add_box(const openvdb::Coord& at, openvdb::Index size) {
+    const glm::ivec3 corner = glm::ivec3(at.x(), at.y(), at.z()) >> 3;
+    const glm::ivec3 lo = glm::max(corner, first_);
+    const glm::ivec3 hi = glm::min(corner + static_cast<int>(size / 8) - 1, last_);
+    for (int x = lo.x; x <= hi.x; ++x) {
+      for (int y = lo.y; y <= hi.y; ++y) {
+        for (int z = lo.z; z <= hi.z; ++z) found_.emplace_back(x, y, z);
+      }
+    }
+  }
+  bool reaches(const openvdb::Coord& at, openvdb::Index size) const {
+    const glm::ivec3 corner = glm::ivec3(at.x(), at.y(), at.z()) >> 3;
+    return glm::all(glm::lessThanEqual(corner, last_)) &&
+           glm::all(glm::greaterThanEqual(corner + static_cast<int>(size / 8) - 1, first_));
+  }
+
+  glm::ivec3 first_, last_;
+  float outside_;
+  std::vector<glm::ivec3> found_;
+};
+
+}  // namespace
+
+std::vector<glm::ivec3> bricks_below(const Grid& grid, const glm::ivec3& first,
+                                     const glm::ivec3& last, float outside) {
+  BrickFinder finder(first, last, outside);
+  finder.add_node(vdb(grid)->tree().root());
+  return finder.take();
 }
 
 void compact(const Grid& grid) {

@@ -74,6 +74,11 @@ struct IndexBox {
 // Every brick of the grid that has samples, in the order of the tree.
 [[nodiscard]] std::vector<glm::ivec3> all_bricks(const Grid& grid);
 
+// Every brick from `first` to `last` (bricks, both included) that has samples, or one value below
+// `outside`, ordered by x, then y, then z. Visits the nodes of the tree, not the space between.
+[[nodiscard]] std::vector<glm::ivec3> bricks_below(const Grid& grid, const glm::ivec3& first,
+                                                   const glm::ivec3& last, float outside);
+
 // Puts constants in place of all bricks and larger nodes of one value and state, so that grids with
 // the same samples have the same file, whatever was done to them before.
 void compact(const Grid& grid);

@@ -11,6 +11,8 @@
 #include "sdfgrid/edit/field_brush.h"
 #include "sdfgrid/edit/sculptor.h"
 #include "sdfgrid/edit/stroke_file.h"
+#include "sdfgrid/grid/bricks.h"
+#include "sdfgrid/grid/vdb.h"
 #include "sdfgrid/scene/stamp.h"
 
 namespace sdfgrid {
@@ -199,6 +201,32 @@ TEST(Range, TheWarningTellsVoxelsApart) {
       Sculptor(grid, options).apply(ball_stroke(StrokeOp::unite, {4000051, 0, 0}, 6), Job());
   ASSERT_EQ(report.warnings.size(), 1U);
   EXPECT_NE(report.warnings[0].find("400005.1"), std::string::npos) << report.warnings[0];
+}
+
+// Leaves, and tiles of every level, in a box that cuts through them, as looking each brick up says.
+TEST(Range, AnIntersectionFindsAllThatIsThere) {
+  const Grid grid = ball_grid(15);
+  openvdb::FloatTree& tree = vdb(grid)->tree();
+  tree.addTile(1, {40, 0, 0}, -0.3F, false);
+  tree.addTile(2, {-256, 0, 128}, -0.3F, false);
+  tree.addTile(2, {128, 128, 0}, 0.3F, false);
+  tree.addTile(3, {4096, 0, 0}, -0.3F, false);
+  for (const auto& [first, last] : {std::pair(glm::ivec3(-40, -5, -3), glm::ivec3(20, 10, 25)),
+                                    std::pair(glm::ivec3(-2, 0, 1), glm::ivec3(1, 1, 1)),
+                                    std::pair(glm::ivec3(510, -1, -2), glm::ivec3(515, 2, 1)),
+                                    std::pair(glm::ivec3(60, 60, 60), glm::ivec3(62, 62, 62))}) {
+    std::vector<glm::ivec3> expected;
+    const GridBricks bricks(grid);
+    for (int x = first.x; x <= last.x; ++x) {
+      for (int y = first.y; y <= last.y; ++y) {
+        for (int z = first.z; z <= last.z; ++z) {
+          const GridBrick brick = bricks.find({x, y, z});
+          if (brick.values != nullptr || brick.constant < 0.3F) expected.emplace_back(x, y, z);
+        }
+      }
+    }
+    EXPECT_EQ(bricks_below(grid, first, last, 0.3F), expected);
+  }
 }
 
 }  // namespace
