@@ -229,5 +229,55 @@ TEST(Range, AnIntersectionFindsAllThatIsThere) {
   }
 }
 
+// Of every op and a ball, a box and a bound: too small a brush is said to be so and is right, too
+// large a one is refused with the estimate, and nothing is left behind.
+TEST(Sizes, AreRefusedOrWarnedOfWhateverTheOp) {
+  for (int i = 0; i <= static_cast<int>(StrokeOp::paint); ++i) {
+    const auto op = static_cast<StrokeOp>(i);
+    for (const std::string kind : {"ball", "box", "twist"}) {
+      const auto make = [&](double radius) {  // voxels
+        Stroke stroke = ball_stroke(op, {15, 0, 0}, radius);
+        stroke.material = 1;
+        if (kind == "ball") return stroke;
+        const double edge = 2 * radius * kVoxel / std::sqrt(3.0);
+        const Field box = make_field("box", {{"size", {edge, edge, edge}}});
+        const Field turned = make_field("twist", {{"turns", 0.1 / edge}}, {box});
+        stroke.brush.shape = make_brush(kind == "box" ? box : turned, kind == "box");
+        return stroke;
+      };
+      const std::string what = std::string(stroke_op_word(op)) + " " + kind;
+      const Grid grid = ball_grid(15);
+      const Content before = content_of(grid, kExtent);
+      Sculptor sculptor(grid);
+      try {
+        (void)sculptor.apply(make(1e6), Job());
+        ADD_FAILURE() << "not refused: " << what;
+      } catch (const Error& e) {
+        EXPECT_EQ(e.kind(), ErrorKind::usage);
+        EXPECT_NE(std::string(e.what()).find("bricks ("), std::string::npos) << e.what();
+      }
+      if (kind == "ball") {
+        EXPECT_THROW((void)sculptor.apply(make(0), Job()), Error) << what;
+      }
+      EXPECT_EQ(sculptor.history().undoable(), 0U);
+      EXPECT_EQ(content_of(grid, kExtent), before) << what;
+      const StrokeReport report = sculptor.apply(make(0.6), Job());
+      ASSERT_EQ(report.warnings.size(), 1U) << what;
+      EXPECT_NE(report.warnings[0].find("below one voxel"), std::string::npos);
+      if (op == StrokeOp::intersect) continue;
+      // Only the sample in its middle can be on another side than before.
+      const Content after = content_of(grid, kExtent);
+      int turned = 0;
+      for (std::size_t s = 0; s < after.size(); ++s) {
+        turned += (after[s].first < 0) != (before[s].first < 0) ? 1 : 0;
+      }
+      EXPECT_LE(turned, 1) << what;
+      if (op == StrokeOp::subtract) {
+        EXPECT_GE(grid.value({15, 0, 0}), 0) << what;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sdfgrid
