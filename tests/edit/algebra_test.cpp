@@ -81,6 +81,42 @@ std::vector<Case> random_cases(int count, unsigned seed) {
   return cases;
 }
 
+// Brushes whose values are only bounds of the distance to them: a ball as a formula, whose values
+// are a fraction of the distance, and a twisted bar.
+std::vector<Case> bound_cases(int count, unsigned seed) {
+  std::vector<Case> cases = random_cases(count, seed);
+  int number = 0;
+  for (Case& c : cases) {
+    const glm::dvec3 at = c.stroke.path[0].at / kVoxel;
+    c.stroke = ball_stroke(StrokeOp::unite, at, 0);
+    if (number++ % 2 == 0) {
+      const double radius = 5.3 + 0.2 * number;
+      const std::string f =
+          "x^2 + y^2 + z^2 - " + std::to_string(radius * radius * kVoxel * kVoxel);
+      c.stroke.brush.shape =
+          make_brush(make_field("formula", {{"f", f}, {"bounds", {-1, -1, -1, 1, 1, 1}}}), false);
+      c.solid = ball(at, std::sqrt(std::stod(std::to_string(radius * radius * 0.01)) * 100));
+      c.kind = "formula";
+      c.has_edges = false;
+      continue;
+    }
+    constexpr double kTurns = 0.25;  // per unit of length
+    const glm::dvec3 half(6, 2.5, 8);
+    const Field bar = make_field("box", {{"size", {1.2, 0.5, 1.6}}});
+    c.stroke.brush.shape = make_brush(make_field("twist", {{"turns", kTurns}}, {bar}), false);
+    c.solid = [=, straight = box(glm::dvec3(0), half)](const glm::dvec3& p) {
+      const glm::dvec3 q = p - at;
+      const double angle = q.z * kVoxel * kTurns * 2 * 3.141592653589793;
+      const double cosine = std::cos(angle);
+      const double sine = std::sin(angle);
+      return straight({cosine * q.x + sine * q.y, cosine * q.y - sine * q.x, q.z});
+    };
+    c.kind = "twist";
+    c.has_edges = true;
+  }
+  return cases;
+}
+
 Stroke with(Stroke stroke, StrokeOp op) {
   stroke.op = op;
   return stroke;
@@ -236,6 +272,30 @@ TEST(Algebra, Absorption) {
     expect_same(sculpted({unite, subtract}), sculpted({subtract}), c);
     expect_same(sculpted({unite, intersect}), sculpted({intersect, unite}), c);
     expect_solid(sculpted({unite, intersect}), c.solid, c.kind);
+  }
+}
+
+// The same of brushes that are only bounds, and against the solids: their values decide signs and
+// nothing else, so that the surface lies between the right samples.
+TEST(Algebra, BrushesThatAreBoundsObeyItToo) {
+  const Solid model = ball(glm::dvec3(0), kModel);
+  for (const Case& c : bound_cases(6, 8)) {
+    const Stroke unite = with(c.stroke, StrokeOp::unite);
+    const Stroke subtract = with(c.stroke, StrokeOp::subtract);
+    const Stroke intersect = with(c.stroke, StrokeOp::intersect);
+    for (const Stroke& stroke : {unite, subtract, intersect}) {
+      const Solid solid = [&](const glm::dvec3& p) {
+        const double a = model(p);
+        const double b = c.solid(p);
+        if (stroke.op == StrokeOp::unite) return std::min(a, b);
+        return std::max(a, stroke.op == StrokeOp::subtract ? -b : b);
+      };
+      expect_solid(sculpted({stroke}), solid, c.kind);
+      expect_same(sculpted({stroke}), sculpted({stroke, stroke}), c);
+    }
+    expect_same(sculpted({subtract, unite}), sculpted({unite}), c);
+    expect_same(sculpted({unite, subtract}), sculpted({subtract}), c);
+    expect_same(sculpted({unite, intersect}), sculpted({intersect, unite}), c);
   }
 }
 

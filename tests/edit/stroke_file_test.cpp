@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <map>
 #include <random>
 
 #include "edit/grids.h"
@@ -308,6 +309,97 @@ TEST(StrokeFile, AShallowBoundLeavesTheSurfaceBesideTheBrushAlone) {
     }
   }
   EXPECT_GT(beside, 5000);
+}
+
+// Where the surface crosses the lattice's edges along z: column x, y to the crossings' places.
+std::map<std::pair<int, int>, std::vector<double>> crossings_of(const Grid& grid, int extent) {
+  std::map<std::pair<int, int>, std::vector<double>> all;
+  for (int x = -extent; x <= extent; ++x) {
+    for (int y = -extent; y <= extent; ++y) {
+      for (int z = -extent; z < extent; ++z) {
+        const double a = grid.value({x, y, z});
+        const double b = grid.value({x, y, z + 1});
+        if ((a < 0) != (b < 0)) all[{x, y}].push_back(z + a / (a - b));
+      }
+    }
+  }
+  return all;
+}
+
+// A bound that lies wholly within the model, a third of a voxel below its surface, adds nothing.
+TEST(StrokeFile, ABoundWithinTheModelLeavesItsSurfaceAlone) {
+  for (const std::string brush :
+       {"{formula: {f: 'x^2+y^2+z^2-0.0906', bounds: [[-1, -1, -1], [1, 1, 1]]}}",
+        "{ellipsoid_bound: {radii: [0.28, 0.299, 0.301]}}",
+        "{twist: {turns: 0.5, of: {sphere: {radius: 0.301}}}}",
+        "{union: [{sphere: {radius: 0.301}}, {box: {size: 0.2}}]}"}) {
+    const Grid grid = ball_grid(30.47, 0.01);
+    const auto before = crossings_of(grid, 34);
+    (void)Sculptor(grid).apply(
+        parse_stroke("{op: union, brush: " + brush + ", path: [[0, 0, 0]]}", "test"), Job());
+    const auto after = crossings_of(grid, 34);
+    double worst = 0;
+    for (const auto& [column, places] : before) {
+      ASSERT_EQ(after.at(column).size(), places.size());
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        worst = std::max(worst, std::abs(after.at(column)[i] - places[i]));
+      }
+    }
+    EXPECT_EQ(worst, 0) << brush;
+  }
+}
+
+double farthest_apart(const Grid& a, const Grid& b) {
+  const auto first = crossings_of(a, 24);
+  const auto second = crossings_of(b, 24);
+  double worst = 0;
+  for (const auto& [column, places] : first) {
+    const auto other = second.find(column);
+    if (other == second.end() || other->second.size() != places.size()) return 1;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      worst = std::max(worst, std::abs(other->second[i] - places[i]));
+    }
+  }
+  return worst;
+}
+
+// A ball as a formula, whose values are far from distances, cuts the surface that the ball cuts,
+// beside the crease, too, and does it once: again it hardly moves anything.
+TEST(StrokeFile, AFormulaOfABallCutsAsTheBallDoes) {
+  for (const std::string op : {"union", "difference", "intersection"}) {
+    const std::string rest = ", path: [[0.83, 0.42, 1.21]]}";
+    const Stroke formula = parse_stroke(
+        "{op: " + op + ", brush: {formula: {f: 'x^2+y^2+z^2-0.64', bounds: [[-1, -1, -1], " +
+            "[1, 1, 1]]}}" + rest,
+        "test");
+    const Stroke ball =
+        parse_stroke("{op: " + op + ", brush: {sphere: {radius: 0.8}}" + rest, "test");
+    const Grid exact = ball_grid(15);
+    const Grid once = ball_grid(15);
+    const Grid twice = ball_grid(15);
+    (void)Sculptor(exact).apply(ball, Job());
+    (void)Sculptor(once).apply(formula, Job());
+    for (int i = 0; i < 2; ++i) (void)Sculptor(twice).apply(formula, Job());
+    // The formula's second derivative is 1 / R of its slope: 1 / (8 R) between two samples, and
+    // 1 / (4 R) for their slopes, by which each is divided, differ as much.
+    EXPECT_LT(farthest_apart(exact, once), 3.0 / (8 * 8)) << op;
+    EXPECT_LT(farthest_apart(once, twice), 0.03) << op;  // which a kept value may be wrong by
+    // And what it leaves are distances, beside the surface, too.
+    int steep = 0;
+    int beside = 0;
+    for (int x = -22; x <= 22; ++x) {
+      for (int y = -22; y <= 22; ++y) {
+        for (int z = -22; z <= 22; ++z) {
+          const float truth = exact.value({x, y, z});
+          if (std::abs(truth) > 0.1F) continue;
+          ++beside;
+          steep += std::abs(once.value({x, y, z}) - truth) > 0.005F ? 1 : 0;
+        }
+      }
+    }
+    EXPECT_GT(beside, 400) << op;
+    EXPECT_LT(steep, beside / 50) << op << " " << steep << " of " << beside;
+  }
 }
 
 }  // namespace
