@@ -6,9 +6,11 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "command.h"
 #include "options.h"
+#include "sdfgrid/core/atomic_file.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/edit/sculptor.h"
 #include "sdfgrid/edit/session.h"
@@ -22,7 +24,7 @@ struct Options {
   std::string input;
   std::string strokes;
   Output output;
-  Redistance redistance = Redistance::local;
+  std::optional<Redistance> redistance;  // local, or the session's
   std::string session;
   bool resume = false;
   bool log = false;
@@ -31,7 +33,7 @@ struct Options {
   std::size_t redo = 0;
 };
 
-const std::vector<std::pair<std::string, Redistance>> kRedistances = {
+const std::vector<std::pair<std::string, std::optional<Redistance>>> kRedistances = {
     {"off", Redistance::off}, {"local", Redistance::local}, {"full", Redistance::full}};
 
 struct Totals {
@@ -41,6 +43,18 @@ struct Totals {
 };
 
 [[noreturn]] void usage(const std::string& text) { throw Error(ErrorKind::usage, text); }
+
+// Whether a file of that name would be in the folder, whatever links lead there.
+bool lies_within(const std::string& file, const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code none;
+  fs::path at = fs::weakly_canonical(fs::absolute(follow_links(file)), none).parent_path();
+  for (; !at.empty(); at = at.parent_path()) {
+    if (fs::equivalent(at, folder, none)) return true;
+    if (at == at.root_path()) break;
+  }
+  return false;
+}
 
 // What can be asked together.
 void check(const Options& options) {
@@ -60,7 +74,13 @@ void check(const Options& options) {
   if (!options.input.empty() && opens) {
     usage("a session that is opened has its grid already; leave GRID out");
   }
-  if (!options.output.path.empty()) check_output(options.output);
+  if (options.output.path.empty()) return;
+  if (!options.session.empty() && lies_within(options.output.path, options.session)) {
+    usage(options.output.path +
+          ": the session's folder is for the session alone; give a file "
+          "somewhere else");
+  }
+  check_output(options.output);
 }
 
 StrokeFile read_stroke_file(const Options& options, FileStamps& stamps, Context& context) {
@@ -71,33 +91,40 @@ StrokeFile read_stroke_file(const Options& options, FileStamps& stamps, Context&
   return file;
 }
 
+// Applies stroke i of the file by `apply`, which returns its report; what it refuses is the file's
+// fault. `stand`: strokes before it that stand in the session.
+template <class Apply>
+StrokeReport apply_one(const StrokeFile& file, std::size_t i, std::size_t stand,
+                       const Options& options, const Apply& apply) {
+  try {
+    return apply(file.strokes[i]);
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::usage) throw;
+    throw Error(
+        ErrorKind::input,
+        fmt::format("{}: stroke {}: {}{}", options.strokes, i + 1, e.what(),
+                    stand > 0 ? fmt::format("; {} before it stand in the session: mend the file "
+                                            "and go on with --resume",
+                                            stand)
+                              : ""));
+  }
+}
+
 // Applies the strokes from `first` on by `apply`, which returns a stroke's report.
 template <class Apply>
 Totals apply_all(const StrokeFile& file, std::size_t first, const Options& options,
                  Context& context, const Apply& apply) {
-  const std::string& source = options.strokes;
-  const bool in_session = !options.session.empty();
   Totals totals;
   const std::size_t count = file.strokes.size();
   for (std::size_t i = first; i < count; ++i) {
-    const std::string name = fmt::format("{}: stroke {}", source, i + 1);
-    try {
-      const StrokeReport report = apply(file.strokes[i]);
-      for (const std::string& warning : report.warnings) context.warn(name + ": " + warning);
-      totals.dabs += report.dabs;
-      totals.bricks += report.bricks_touched;
-      ++totals.strokes;
-    } catch (const Error& e) {
-      if (e.kind() != ErrorKind::usage) throw;
-      const std::size_t stand = i - first;
-      throw Error(ErrorKind::input,
-                  fmt::format("{}: {}{}", name, e.what(),
-                              in_session && stand > 0
-                                  ? fmt::format("; {} before it stand in the session: mend the "
-                                                "file and go on with --resume",
-                                                stand)
-                                  : ""));
+    const std::size_t stand = options.session.empty() ? 0 : i - first;
+    const StrokeReport report = apply_one(file, i, stand, options, apply);
+    for (const std::string& warning : report.warnings) {
+      context.warn(fmt::format("{}: stroke {}: {}", options.strokes, i + 1, warning));
     }
+    totals.dabs += report.dabs;
+    totals.bricks += report.bricks_touched;
+    ++totals.strokes;
     context.job().report("sculpt", static_cast<double>(i + 1) / static_cast<double>(count));
   }
   return totals;
@@ -137,7 +164,7 @@ Exit sculpt_file(const Options& options, Context& context) {
   const Grid grid = read_grid(options.input);
   watch.lap("load");
   SculptOptions sculpt;
-  sculpt.redistance = options.redistance;
+  sculpt.redistance = options.redistance.value_or(Redistance::local);
   sculpt.undo.full_bytes = 0;
   Sculptor sculptor(grid, sculpt);
   const Totals totals = apply_all(file, 0, options, context, [&](const Stroke& stroke) {
@@ -155,7 +182,7 @@ Exit sculpt_file(const Options& options, Context& context) {
 // How many strokes --resume leaves out: the most that are the first of the file and the last that
 // stand in the session, whatever stands before them.
 std::size_t already_there(Session& session, const StrokeFile& file) {
-  const std::vector<std::string>& standing = session.strokes();
+  const std::vector<std::string> standing = session.strokes();
   std::vector<std::string> first(std::min(standing.size(), file.strokes.size()));
   std::transform(file.strokes.begin(), file.strokes.begin() + std::ssize(first), first.begin(),
                  [&](const Stroke& stroke) { return session.recorded_text(stroke); });
@@ -173,20 +200,72 @@ void print_log(const Session& session, Context& context) {
   context.result()["log"] = lines;
 }
 
+// A first stroke that is refused must not leave a session without any, which the same command could
+// not begin again: it is tried on a copy.
+void try_first(const StrokeFile& file, const Grid& grid, const Options& options, Context& context) {
+  if (file.strokes.empty()) return;
+  SculptOptions sculpt;
+  sculpt.redistance = Redistance::off;
+  sculpt.undo.full_bytes = 0;
+  Sculptor trial(grid.clone(), sculpt);
+  (void)apply_one(file, 0, 0, options, [&](const Stroke& stroke) {
+    check_recordable(stroke.text);
+    return trial.apply(stroke, context.job());
+  });
+}
+
+SessionLock begin_session(const Options& options, const StrokeFile& file, Context& context) {
+  const Grid grid = read_grid(options.input);
+  try_first(file, grid, options, context);
+  return create_session(options.session, grid, options.redistance.value_or(Redistance::local));
+}
+
+// Undoes or redoes strokes by `change`, which says how many there were.
+template <class Change>
+void go_through_history(std::size_t asked, const char* done, Context& context,
+                        const Change& change) {
+  if (asked == 0) return;
+  const std::size_t count = change(asked);
+  context.result()[done] = count;
+  context.print("{} of {} strokes {}", count, asked, done);
+  if (count == asked) return;
+  context.warn(count == 0 ? fmt::format("there is no stroke to be {}", done)
+                          : fmt::format("only {} of {} strokes were {}: there are no more", count,
+                                        asked, done));
+}
+
+void check_redistance(const Session& session, const Options& options) {
+  const Redistance own = session.redistance();
+  if (options.redistance.value_or(own) == own) return;
+  usage(
+      fmt::format("{}: the session was begun with --redistance {}, which its strokes keep; leave "
+                  "the option out, or begin another session",
+                  options.session, redistance_word(own)));
+}
+
 Exit run_session(const Options& options, Context& context) {
   Stopwatch watch;
   FileStamps stamps(context.job());
   const StrokeFile file = read_stroke_file(options, stamps, context);
-  if (!options.input.empty()) {
-    create_session(options.session, read_grid(options.input), options.redistance);
-  }
   SessionOptions opening;
+  opening.read_only = options.input.empty() && options.strokes.empty() && options.undo == 0 &&
+                      options.redo == 0 && !options.salvage;
   opening.salvage = options.salvage;
   opening.stamps = &stamps;
-  Session session(options.session, opening, context.job());
+  SessionLock lock;
+  if (!options.input.empty()) lock = begin_session(options, file, context);
+  Session session(options.session, opening, context.job(), std::move(lock));
+  check_redistance(session, options);
+  std::size_t told = 0;  // of its warnings
+  const auto tell = [&] {
+    for (; told < session.warnings().size(); ++told) context.warn(session.warnings()[told]);
+  };
+  tell();
   watch.lap("load");
-  if (options.undo > 0) context.result()["undone"] = session.undo(options.undo, context.job());
-  if (options.redo > 0) context.result()["redone"] = session.redo(options.redo, context.job());
+  go_through_history(options.undo, "undone", context,
+                     [&](std::size_t n) { return session.undo(n, context.job()); });
+  go_through_history(options.redo, "redone", context,
+                     [&](std::size_t n) { return session.redo(n, context.job()); });
   const std::size_t first = options.resume ? already_there(session, file) : 0;
   if (options.resume && !options.strokes.empty()) {
     context.result()["left_out"] = first;
@@ -197,17 +276,16 @@ Exit run_session(const Options& options, Context& context) {
     return session.apply(stroke, context.job());
   });
   watch.lap("edit");
-  for (const std::string& warning : session.warnings()) context.warn(warning);
+  tell();
   if (options.log) print_log(session, context);
-  if (!options.output.path.empty()) {
-    write(session.grid(), options, context);
-    watch.lap("write");
-  }
+  if (!options.output.path.empty()) write(session.grid(), options, context);
+  watch.lap("write");
   describe(totals, watch, context);
-  context.result()["standing"] = session.strokes().size();
-  context.result()["redoable"] = session.undone().size();
-  context.print("{}: {} strokes stand, {} can be redone", options.session, session.strokes().size(),
-                session.undone().size());
+  const std::size_t standing = session.strokes().size();
+  const std::size_t redoable = session.undone().size();
+  context.result()["standing"] = standing;
+  context.result()["redoable"] = redoable;
+  context.print("{}: {} strokes stand, {} can be redone", options.session, standing, redoable);
   return Exit::done;
 }
 

@@ -8,7 +8,9 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <span>
 #include <sstream>
 
 #include "sdfgrid/core/atomic_file.h"
@@ -42,19 +44,35 @@ bool take(std::string_view& in, int base, std::uint64_t& value) {
   return true;
 }
 
-// Whether a line of the right form stands at the beginning, be its hash right or not.
-bool read_line(std::string_view in, Line& line) {
+// Whether what stands at the beginning has the form of a line up to its text and, by the length
+// that it states, room for the line break; be that, or the hash, right or not.
+bool read_line_of_any_end(std::string_view in, Line& line) {
   const std::size_t whole = in.size();
   std::uint64_t number = 0;
   std::uint64_t length = 0;
   if (!take(in, 10, number) || !take(in, 10, length)) return false;
   const std::size_t before = in.size();
   if (!take(in, 16, line.hash) || before - in.size() != 17) return false;
-  if (length >= in.size() || in[length] != '\n') return false;
+  if (length >= in.size()) return false;
   line.number = number;
   line.text = in.substr(0, length);
   line.bytes = whole - in.size() + length + 1;
   return true;
+}
+
+// Whether a line of the right form stands at the beginning, be its hash right or not.
+bool read_line(std::string_view in, Line& line) {
+  return read_line_of_any_end(in, line) && in[line.bytes - 1] == '\n';
+}
+
+// What follows the last good record. The line break is a record's last byte: what has one, or as
+// many bytes as it says, was written to its end.
+JournalContent::End end_of(std::string_view rest) {
+  if (rest.empty()) return JournalContent::End::whole;
+  Line line;
+  const bool was_whole =
+      rest.find('\n') != std::string_view::npos || read_line_of_any_end(rest, line);
+  return was_whole ? JournalContent::End::damaged : JournalContent::End::torn;
 }
 
 // The records that can be told apart in what follows a bad one, with numbers above `number`.
@@ -69,6 +87,16 @@ std::size_t count_lines(std::string_view in, std::size_t number) {
   return count;
 }
 
+std::string bytes_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::stringstream bytes;
+  // An empty file makes << fail, too.
+  if (!in || (in.peek() != std::ifstream::traits_type::eof() && !(bytes << in.rdbuf()))) {
+    throw input_error(path, "", "it cannot be read", "check that this is a session's folder");
+  }
+  return bytes.str();
+}
+
 [[noreturn]] void fail(const std::string& path, int reason) {
   throw Error(ErrorKind::failed, fmt::format("{}: cannot be written ({}); what was recorded before "
                                              "is safe",
@@ -79,6 +107,17 @@ std::size_t count_lines(std::string_view in, std::size_t number) {
 
 std::uint64_t fnv_hash(std::string_view bytes, std::uint64_t hash) {
   for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+  return hash;
+}
+
+std::uint64_t fnv_hash_of_file(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw input_error(path, "", "it cannot be read", "restore it from a copy");
+  std::uint64_t hash = fnv_hash("");
+  std::vector<char> chunk(1 << 20);
+  while (in.read(chunk.data(), static_cast<std::streamsize>(chunk.size())) || in.gcount() > 0) {
+    hash = fnv_hash({chunk.data(), static_cast<std::size_t>(in.gcount())}, hash);
+  }
   return hash;
 }
 
@@ -95,17 +134,19 @@ JournalContent parse_journal(std::string_view bytes) {
     rest.remove_prefix(line.bytes);
   }
   content.good_bytes = bytes.size() - rest.size();
+  content.end = end_of(rest);
   content.records_after_damage = count_lines(rest, content.records.size());
   return content;
 }
 
-JournalContent read_journal(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::stringstream bytes;
-  if (!in || !(bytes << in.rdbuf())) {
-    throw input_error(path, "", "it cannot be read", "check that this is a session's folder");
-  }
-  return parse_journal(bytes.str());
+JournalContent read_journal(const std::string& path) { return parse_journal(bytes_of(path)); }
+
+std::string keep_copy(const std::string& path, std::uint64_t from, const std::string& what) {
+  const std::string bytes = bytes_of(path).substr(from);
+  std::string copy = path + "." + what;
+  for (int i = 2; std::filesystem::exists(copy); ++i) copy = fmt::format("{}.{}-{}", path, what, i);
+  write_bytes_atomically(copy, std::as_bytes(std::span(bytes)));
+  return std::filesystem::path(copy).filename().string();
 }
 
 Journal::Journal(std::string path, const JournalContent& content)

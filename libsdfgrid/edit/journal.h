@@ -21,15 +21,21 @@ struct JournalRecord {
 };
 
 struct JournalContent {
+  enum class End {
+    whole,
+    torn,     // the last record was not written to its end, so it was never acknowledged
+    damaged,  // a record that was once whole is not what was written
+  };
+
   std::vector<JournalRecord> records;
   std::uint64_t good_bytes = 0;  // up to the end of the last good record
   std::uint64_t bytes = 0;       // of the whole file
-  // Records after the first bad one, as far as they can be told apart. None, and good_bytes less
-  // than bytes: the file was cut off in the middle of its last record.
+  End end = End::whole;
+  // Records after the first bad one, as far as they can be told apart.
   std::size_t records_after_damage = 0;
 
-  [[nodiscard]] bool torn() const { return good_bytes < bytes && records_after_damage == 0; }
-  [[nodiscard]] bool damaged() const { return records_after_damage > 0; }
+  [[nodiscard]] bool torn() const { return end == End::torn; }
+  [[nodiscard]] bool damaged() const { return end == End::damaged; }
 };
 
 // Understands a journal's bytes; never throws, whatever they are.
@@ -64,8 +70,15 @@ class Journal {
 // Writes a new journal with one record, whole or not at all.
 void create_journal(const std::string& path, const std::string& first);
 
+// Copies what the file holds from byte `from` on into a new file, which is on the disk when this
+// returns: PATH.WHAT or, where there is one, PATH.WHAT-2 and so on. Returns its name without the
+// folder. Throws Error{failed}.
+std::string keep_copy(const std::string& path, std::uint64_t from, const std::string& what);
+
 // FNV-1a over `bytes`, going on from `hash`.
 [[nodiscard]] std::uint64_t fnv_hash(std::string_view bytes,
                                      std::uint64_t hash = 0xcbf29ce484222325ULL);
+// The same over what a file holds. Throws Error{input} if it cannot be read.
+[[nodiscard]] std::uint64_t fnv_hash_of_file(const std::string& path);
 
 }  // namespace sdfgrid

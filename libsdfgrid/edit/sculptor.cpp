@@ -403,6 +403,12 @@ bool Sculptor::undo() {
   return true;
 }
 
+bool Sculptor::take_back() {
+  if (history_.undoable() == 0) return false;
+  touched_ = history_.take_back(bricks_);
+  return true;
+}
+
 bool Sculptor::redo() {
   if (history_.redoable() == 0) return false;
   touched_ = history_.redo(bricks_);

@@ -58,8 +58,10 @@ class Sculptor {
   // Whether there was a stroke to undo or redo.
   bool undo();
   bool redo();
+  // Undoes the last stroke as if it had not been: neither it nor what it displaced can be redone.
+  bool take_back();
 
-  // What the last call of the three above changed: what an atlas must refresh. Of bricks that were
+  // What the last call of the four above changed: what an atlas must refresh. Of bricks that were
   // painted, no samples.
   [[nodiscard]] const std::vector<BrickChange>& touched() const { return touched_; }
   [[nodiscard]] const Grid& grid() const { return grid_; }

@@ -206,6 +206,12 @@ std::vector<BrickChange> UndoHistory::redo(GridBricks& grid) {
   return changes;
 }
 
+std::vector<BrickChange> UndoHistory::take_back(GridBricks& grid) {
+  const std::vector<BrickChange> changes = undo(grid);
+  forget(done_, entries_.size());
+  return changes;
+}
+
 std::size_t UndoHistory::bytes() const {
   std::size_t sum = 0;
   for (const Entry& entry : entries_) {

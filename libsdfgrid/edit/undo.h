@@ -98,6 +98,8 @@ class UndoHistory {
   // happens, and nothing is returned, if there is none.
   std::vector<BrickChange> undo(GridBricks& grid);
   std::vector<BrickChange> redo(GridBricks& grid);
+  // The same as undo(), but as if the stroke had not been: it cannot be redone.
+  std::vector<BrickChange> take_back(GridBricks& grid);
 
   [[nodiscard]] std::size_t undoable() const { return done_; }
   [[nodiscard]] std::size_t redoable() const { return entries_.size() - done_; }

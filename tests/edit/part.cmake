@@ -20,11 +20,13 @@ sdfgrid_test(redistance_test LABEL heavy
 sdfgrid_test(algebra_test SOURCES ${edit_grids} ${CMAKE_CURRENT_LIST_DIR}/algebra_test.cpp
              PACKAGES OpenVDB::openvdb)
 # The kill -9 loop and the full disk run a program of their own.
-add_executable(session_child ${CMAKE_CURRENT_LIST_DIR}/session_child.cpp)
-target_link_libraries(session_child PRIVATE sdfgrid sdfgrid_flags)
+add_executable(session_child ${edit_grids} ${CMAKE_CURRENT_LIST_DIR}/session_child.cpp)
+target_link_libraries(session_child PRIVATE sdfgrid sdfgrid_flags OpenVDB::openvdb)
 target_include_directories(session_child PRIVATE ${PROJECT_SOURCE_DIR}/tests)
 sdfgrid_test(session_test LABEL heavy
              SOURCES ${edit_grids} ${CMAKE_CURRENT_LIST_DIR}/session_test.cpp
+                     ${CMAKE_CURRENT_LIST_DIR}/session_damage_test.cpp
+                     ${CMAKE_CURRENT_LIST_DIR}/session_crash_test.cpp
                      ${CMAKE_CURRENT_LIST_DIR}/../app/process.cpp
              PACKAGES OpenVDB::openvdb)
 target_compile_definitions(session_test PRIVATE SDFGRID_SESSION_CHILD="$<TARGET_FILE:session_child>"

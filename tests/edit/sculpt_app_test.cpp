@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "app/process.h"
 
@@ -81,6 +85,113 @@ TEST_F(SculptApp, UndoTakesCountsOfOneAndMore) {
   }
   const Outcome log = run({"sculpt", "--session", session, "--log", "--json"});
   EXPECT_EQ(json::parse(log.out)["standing"], 2) << log.error;
+}
+
+// Whoever comes first makes the session; the other one must not write over it.
+TEST_F(SculptApp, OneOfTwoProcessesMakesTheSession) {
+  for (int round = 0; round < 4; ++round) {
+    const std::string session = folder_.path("session" + std::to_string(round));
+    const std::vector<std::string> words = {"sculpt",    grid_,   "--strokes", strokes_,
+                                            "--session", session, "--quiet"};
+    Process a(words);
+    Process b(words);
+    const Outcome of_a = a.wait();
+    const Outcome of_b = b.wait();
+    EXPECT_NE(of_a.exit == 0, of_b.exit == 0) << of_a.error << of_b.error;
+    const Outcome& refused = of_a.exit == 0 ? of_b : of_a;
+    EXPECT_TRUE(refused.exit == 1 || refused.exit == 2) << refused.exit;
+    EXPECT_NE(refused.error.find("session"), std::string::npos) << refused.error;
+    const Outcome log = run({"sculpt", "--session", session, "--log", "--json"});
+    EXPECT_EQ(json::parse(log.out)["standing"], 2) << log.error;
+  }
+}
+
+TEST_F(SculptApp, WritesNoOutputIntoTheSession) {
+  namespace fs = std::filesystem;
+  const std::string session = folder_.path("session");
+  ASSERT_EQ(run({"sculpt", grid_, "--strokes", strokes_, "--session", session}).exit, 0);
+  fs::create_directory(folder_.path("other"));
+  fs::create_directory_symlink(session, folder_.path("other/link"));
+  fs::create_symlink(session + "/base.vdb", folder_.path("file.vdb"));
+  for (const std::string& out :
+       {session + "/base.vdb", session + "/new.vdb", session + "/stamps/../new.vdb",
+        folder_.path("other/link/base.vdb"), folder_.path("other/../session/base.vdb"),
+        folder_.path("file.vdb")}) {
+    for (const char* option : {"--export", "-o"}) {
+      const Outcome refused = run({"sculpt", "--session", session, option, out, "--force"});
+      EXPECT_EQ(refused.exit, 2) << out << refused.error;
+      EXPECT_NE(refused.error.find("for the session alone"), std::string::npos) << refused.error;
+    }
+  }
+  EXPECT_EQ(run({"sculpt", "--session", session, "--export", folder_.path("other/a.vdb")}).exit, 0);
+}
+
+TEST_F(SculptApp, AFirstStrokeThatIsRefusedMakesNoSession) {
+  const std::string session = folder_.path("session");
+  const std::string bad =
+      folder_.write("bad.yaml",
+                    "sdfgrid-strokes: 1\nstrokes:\n"
+                    "  - {op: union, brush: {sphere: {radius: 0}}, path: [[0, 0, 1]]}\n");
+  const Outcome refused = run({"sculpt", grid_, "--strokes", bad, "--session", session});
+  EXPECT_EQ(refused.exit, 4) << refused.error;
+  EXPECT_NE(refused.error.find("bad.yaml: stroke 1"), std::string::npos) << refused.error;
+  EXPECT_FALSE(std::filesystem::exists(session));
+  EXPECT_EQ(run({"sculpt", grid_, "--strokes", strokes_, "--session", session}).exit, 0);
+}
+
+TEST_F(SculptApp, SaysHowManyStrokesWereUndone) {
+  const std::string session = folder_.path("session");
+  ASSERT_EQ(run({"sculpt", grid_, "--strokes", strokes_, "--session", session}).exit, 0);
+  const auto change = [&](const std::string& option, const std::string& count, const char* key) {
+    const Outcome outcome = run({"sculpt", "--session", session, option, count, "--json"});
+    EXPECT_EQ(outcome.exit, 0) << outcome.error;
+    const json result = json::parse(outcome.out);
+    for (const char* step : {"load", "edit", "write", "total"}) {
+      EXPECT_TRUE(result["seconds"].contains(step)) << step;
+    }
+    return std::make_pair(result[key].get<int>(), result["warnings"].dump());
+  };
+  EXPECT_EQ(change("--undo", "1", "undone"), std::make_pair(1, std::string("[]")));
+  const auto [undone, only] = change("--undo", "100", "undone");
+  EXPECT_EQ(undone, 1);
+  EXPECT_NE(only.find("only 1 of 100 strokes were undone"), std::string::npos) << only;
+  const auto [more, nothing] = change("--undo", "1", "undone");
+  EXPECT_EQ(more, 0);
+  EXPECT_NE(nothing.find("no stroke to be undone"), std::string::npos) << nothing;
+  EXPECT_EQ(change("--redo", "5", "redone").first, 2);
+  const Outcome said = run({"sculpt", "--session", session, "--undo", "7"});
+  EXPECT_NE(said.out.find("2 of 7 strokes undone"), std::string::npos) << said.out;
+}
+
+TEST_F(SculptApp, ASessionKeepsItsRedistance) {
+  const std::string session = folder_.path("session");
+  ASSERT_EQ(run({"sculpt", grid_, "--strokes", strokes_, "--session", session}).exit, 0);
+  const Outcome refused =
+      run({"sculpt", "--session", session, "--strokes", strokes_, "--redistance", "off"});
+  EXPECT_EQ(refused.exit, 2) << refused.error;
+  EXPECT_NE(refused.error.find("--redistance local"), std::string::npos) << refused.error;
+  const Outcome same = run({"sculpt", "--session", session, "--log", "--redistance", "local"});
+  EXPECT_EQ(same.exit, 0) << same.error;
+}
+
+// Damage and newer versions are bad inputs, with the record's number; looking changes nothing.
+TEST_F(SculptApp, ADamagedSessionIsRefusedAndLeftAsItIs) {
+  const std::string session = folder_.path("session");
+  ASSERT_EQ(run({"sculpt", grid_, "--strokes", strokes_, "--session", session}).exit, 0);
+  std::ifstream in(session + "/journal", std::ios::binary);
+  std::string bytes(std::istreambuf_iterator<char>(in), {});
+  bytes[bytes.size() - 5] ^= 1;
+  std::ofstream(session + "/journal", std::ios::binary) << bytes;
+  for (const char* option : {"--log", "--resume"}) {
+    const Outcome refused = run({"sculpt", "--session", session, option});
+    EXPECT_EQ(refused.exit, 4) << refused.error;
+    EXPECT_NE(refused.error.find("record 2"), std::string::npos) << refused.error;
+  }
+  std::ifstream again(session + "/journal", std::ios::binary);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(again), {}), bytes);
+  const Outcome saved = run({"sculpt", "--session", session, "--resume", "--salvage", "--json"});
+  EXPECT_EQ(saved.exit, 0) << saved.error;
+  EXPECT_EQ(json::parse(saved.out)["standing"], 1);
 }
 
 // Whatever stands before: of a second file, too, what was done before a crash is not done again.

@@ -19,4 +19,13 @@ inline std::string stroke_text(std::size_t number) {
   return text;
 }
 
+// What session_child does as record `number` of its session, so that whoever reads the journal
+// knows what must be there: strokes, and among them undos of two and redos of one of these.
+enum class ChildStep { stroke, undo_two, redo_one };
+
+inline ChildStep child_step(std::size_t number) {
+  if (number % 9 == 5) return ChildStep::undo_two;
+  return number % 9 == 6 ? ChildStep::redo_one : ChildStep::stroke;
+}
+
 }  // namespace sdfgrid::test

@@ -1,43 +1,28 @@
-// Sessions: journals that were cut off or changed, undo over many openings, crashes, full disks.
+// Journals as bytes, sessions over many openings, undo, locks. What is damaged or cannot be written
+// is in session_damage_test.cpp, crashes are in session_crash_test.cpp.
 #include "sdfgrid/edit/session.h"
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
 #include <filesystem>
-#include <fstream>
+#include <functional>
 #include <map>
 #include <random>
-#include <sstream>
+#include <utility>
 
 #include "app/process.h"
-#include "edit/grids.h"
-#include "edit/session_strokes.h"
+#include "edit/session_tools.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/edit/journal.h"
-#include "sdfgrid/edit/stroke_file.h"
+#include "sdfgrid/edit/snapshots.h"
 
 namespace sdfgrid {
 namespace {
 
 using namespace sdfgrid::test;
-constexpr int kExtent = 24;
-
-std::string read_all(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-void write_all(const std::string& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
-}
-
 // Ten records of different lengths, as bytes.
 std::string small_journal(const Folder& folder, std::vector<std::string>& texts) {
   const std::string path = folder.path("journal");
@@ -103,7 +88,8 @@ TEST(Journal, EveryFlippedBitIsNoticed) {
       ASSERT_LT(content.records.size(), texts.size()) << at << " bit " << bit;
       const auto before = std::count(bytes.begin(), bytes.begin() + static_cast<long>(at), '\n');
       ASSERT_EQ(content.records.size(), static_cast<std::size_t>(before)) << at << " bit " << bit;
-      ASSERT_EQ(content.damaged(), before < 9) << at << " bit " << bit;
+      // The last record, too, was whole: it is no torn one.
+      ASSERT_TRUE(content.damaged()) << at << " bit " << bit;
     }
   }
 }
@@ -116,18 +102,6 @@ TEST(Journal, AnyBytesAreUnderstood) {
     const JournalContent content = parse_journal(bytes);
     EXPECT_LE(content.good_bytes, bytes.size());
   }
-}
-
-Stroke stroke(std::size_t number) { return parse_stroke(stroke_text(number), "test"); }
-
-// What the strokes 0 to count - 1 make.
-Content expected_content(std::size_t count) {
-  const Grid grid = ball_grid(12);
-  SculptOptions options;
-  options.range = Sculptor(grid).range();
-  Sculptor sculptor(grid, options);
-  for (std::size_t i = 0; i < count; ++i) (void)sculptor.apply(stroke(i), Job());
-  return content_of(grid, kExtent);
 }
 
 TEST(Session, OpensWithWhatWasDone) {
@@ -159,19 +133,17 @@ TEST(Session, UsesSnapshotsWhereTheirStrokesStand) {
     Session session(path, {.snapshot_every = 4}, Job());
     for (std::size_t i = 0; i < 9; ++i) (void)session.apply(stroke(i), Job());
   }
-  EXPECT_TRUE(std::filesystem::exists(path + "/snapshot-5.vdb"));
-  EXPECT_TRUE(std::filesystem::exists(path + "/snapshot-9.vdb"));
-  {
-    Session session(path, {}, Job());
-    EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(9));
-    EXPECT_EQ(session.undo(6, Job()), 6U);  // behind both snapshots
-    EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(3));
-  }
-  // A snapshot that cannot be read does no harm.
-  write_all(path + "/snapshot-9.vdb", "nonsense");
+  const std::vector<Snapshot> made = find_snapshots(path);
+  ASSERT_EQ(made.size(), 2U);
+  EXPECT_EQ(made[0].records, 9U);
+  EXPECT_EQ(made[1].records, 5U);
   Session session(path, {}, Job());
+  EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(9));
+  EXPECT_EQ(session.undo(6, Job()), 6U);  // behind both snapshots
+  EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(3));
   EXPECT_EQ(session.redo(6, Job()), 6U);
   EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(9));
+  EXPECT_TRUE(session.warnings().empty());
 }
 
 TEST(SpillFile, GivesBackWhatItWasGivenAndReusesItsRoom) {
@@ -238,34 +210,110 @@ TEST(Session, ASecondProcessIsRefused) {
   EXPECT_THROW(create_session(path, ball_grid(12), Redistance::local), Error);
 }
 
-TEST(Session, DamageNamesTheRecordAndIsSalvaged) {
+// Held from before the first byte, and never let go between making and opening.
+TEST(Session, MakingOneTakesTheLock) {
+  const Folder folder;
+  const std::string path = folder.path("s");
+  std::filesystem::create_directory(path);
+  {
+    const SessionLock other(path, SessionLock::Use::writing);
+    EXPECT_THROW(create_session(path, ball_grid(12), Redistance::local), Error);
+    EXPECT_FALSE(std::filesystem::exists(path + "/base.vdb"));
+  }
+  SessionLock lock = create_session(path, ball_grid(12), Redistance::local);
+  const std::string journal = read_all(path + "/journal");
+  EXPECT_THROW(Session(path, {}, Job()), Error);
+  Session session(path, {}, Job(), std::move(lock));
+  EXPECT_THROW(Session(path, {}, Job()), Error);
+  EXPECT_THROW(create_session(path, ball_grid(11), Redistance::local), Error);
+  EXPECT_EQ(read_all(path + "/journal"), journal);
+}
+
+TEST(Session, IsMadeInNoFolderWithOtherFiles) {
+  const Folder folder;
+  const std::string path = folder.path("s");
+  std::filesystem::create_directory(path);
+  write_all(path + "/base.vdb", "somebody's own");
+  EXPECT_THROW(create_session(path, ball_grid(12), Redistance::local), Error);
+  EXPECT_EQ(read_all(path + "/base.vdb"), "somebody's own");
+  EXPECT_FALSE(std::filesystem::exists(path + "/lock"));
+  // Behind a lock it is what an interrupted creation left.
+  write_all(path + "/lock", "");
+  create_session(path, ball_grid(12), Redistance::local);
+  EXPECT_EQ(content_of(Session(path, {}, Job()).grid(), kExtent), expected_content(0));
+}
+
+// Every file with its bytes.
+std::map<std::string, std::string> bytes_in(const std::string& folder) {
+  std::map<std::string, std::string> all;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    all[entry.path().filename().string()] = read_all(entry.path().string());
+  }
+  return all;
+}
+
+TEST(Session, OpenedForReadingItChangesNothing) {
+  const Folder folder;
+  const std::string path = folder.path("s");
+  create_session(path, ball_grid(12), Redistance::local);
+  {
+    Session session(path, {.snapshot_every = 2}, Job());
+    for (std::size_t i = 0; i < 5; ++i) (void)session.apply(stroke(i), Job());
+    EXPECT_EQ(session.undo(1, Job()), 1U);
+  }
+  write_all(path + "/.snapshot.partial-1.vdb", "left");
+  const auto before = bytes_in(path);
+  const SessionOptions reading{.read_only = true};
+  {
+    Session session(path, reading, Job());
+    EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(4));
+    for (const auto& call : {std::function<void()>([&] { (void)session.apply(stroke(9), Job()); }),
+                             std::function<void()>([&] { (void)session.undo(1, Job()); }),
+                             std::function<void()>([&] { (void)session.redo(1, Job()); })}) {
+      EXPECT_THROW(call(), Error);
+    }
+    EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(4));
+    const Session another(path, reading, Job());  // readers do not disturb each other
+    EXPECT_THROW(Session(path, {}, Job()), Error);
+  }
+  EXPECT_EQ(bytes_in(path), before);
+  const Session writing(path, {}, Job());
+  EXPECT_THROW(Session(path, reading, Job()), Error);
+}
+
+TEST(Session, InAFolderThatCannotBeWrittenItIsRead) {
   const Folder folder;
   const std::string path = folder.path("s");
   create_session(path, ball_grid(12), Redistance::local);
   {
     Session session(path, {}, Job());
-    for (std::size_t i = 0; i < 6; ++i) (void)session.apply(stroke(i), Job());
+    for (std::size_t i = 0; i < 3; ++i) (void)session.apply(stroke(i), Job());
   }
-  std::string bytes = read_all(path + "/journal");
-  std::size_t at = 0;
-  for (int line = 0; line < 4; ++line) at = bytes.find('\n', at) + 1;
-  bytes[at + 30] ^= 1;
-  write_all(path + "/journal", bytes);
+  ASSERT_EQ(::chmod(folder.path("").c_str(), 0755), 0);
+  for (const auto& entry : std::filesystem::directory_iterator(path)) {
+    ASSERT_EQ(::chmod(entry.path().c_str(), 0444), 0);
+  }
+  ASSERT_EQ(::chmod(path.c_str(), 0555), 0);
+  const bool root = ::geteuid() == 0;  // whom permissions do not stop
+  constexpr uid_t kNobody = 65534;
+  if (root) {
+    ASSERT_EQ(::seteuid(kNobody), 0);
+  }
+  Content content;
+  std::string problem;
   try {
-    const Session session(path, {}, Job());
-    FAIL() << "damage was not noticed";
+    content = content_of(Session(path, {.read_only = true}, Job()).grid(), kExtent);
+    const Session writing(path, {}, Job());
   } catch (const Error& e) {
-    EXPECT_EQ(e.kind(), ErrorKind::input);
-    const std::string text = e.what();
-    EXPECT_NE(text.find("record 4"), std::string::npos) << text;
-    EXPECT_NE(text.find("the 3 records before it are good"), std::string::npos) << text;
-    EXPECT_NE(text.find("the 2 after"), std::string::npos) << text;
+    EXPECT_EQ(e.kind(), ErrorKind::failed);
+    problem = e.what();
   }
-  EXPECT_EQ(read_all(path + "/journal"), bytes);
-  Session session(path, {.salvage = true}, Job());
-  EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(3));
-  EXPECT_EQ(read_all(path + "/journal.damaged"), bytes);
-  EXPECT_EQ(session.warnings().size(), 1U);
+  if (root) {
+    ASSERT_EQ(::seteuid(0), 0);
+  }
+  EXPECT_EQ(content, expected_content(3));
+  EXPECT_NE(problem.find("--export only read"), std::string::npos) << problem;
+  ASSERT_EQ(::chmod(path.c_str(), 0755), 0);
 }
 
 TEST(Session, AChangedBaseIsRefused) {
@@ -274,118 +322,6 @@ TEST(Session, AChangedBaseIsRefused) {
   create_session(path, ball_grid(12), Redistance::local);
   write_grid(ball_grid(11), path + "/base.vdb");
   EXPECT_THROW(Session(path, {}, Job()), Error);
-}
-
-// One run of session_child; what it acknowledged comes through a pipe.
-class Child {
- public:
-  explicit Child(std::vector<std::string> words) {
-    int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
-    words.insert(words.begin(), SDFGRID_SESSION_CHILD);
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    pid_ = ::fork();
-    if (pid_ == 0) {
-      ::dup2(ends[1], STDOUT_FILENO);
-      ::execv(arguments[0], arguments.data());
-      ::_exit(127);
-    }
-    ::close(ends[1]);
-    out_ = ::fdopen(ends[0], "r");
-  }
-  ~Child() {
-    if (pid_ > 0) kill();
-    std::fclose(out_);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-
-  // The next acknowledged number; -1 at the end.
-  long next() {
-    long number = -1;
-    return std::fscanf(out_, "%ld", &number) == 1 ? number : -1;
-  }
-  void kill() {
-    ::kill(pid_, SIGKILL);
-    ::waitpid(pid_, nullptr, 0);
-    pid_ = -1;
-  }
-  [[nodiscard]] pid_t id() const { return pid_; }
-  int wait() {
-    int status = 0;
-    ::waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
- private:
-  pid_t pid_ = -1;
-  std::FILE* out_ = nullptr;
-};
-
-// The binary on a session that another process holds.
-TEST(SessionCrash, ASecondProcessIsRefusedUntilTheFirstEnds) {
-  const Folder folder;
-  const std::string path = folder.path("s");
-  create_session(path, ball_grid(12), Redistance::local);
-  Child child({path});
-  ASSERT_GE(child.next(), 0);
-  const Outcome refused = run({"sculpt", "--session", path, "--log"});
-  EXPECT_EQ(refused.exit, 1) << refused.error;
-  EXPECT_NE(refused.error.find(std::to_string(child.id())), std::string::npos) << refused.error;
-  child.kill();
-  EXPECT_EQ(run({"sculpt", "--session", path, "--log", "--quiet"}).exit, 0);
-}
-
-TEST(SessionCrash, KilledTwoHundredTimesItLosesNothing) {
-  const Folder folder;
-  const std::string path = folder.path("s");
-  create_session(path, ball_grid(12), Redistance::local);
-  std::mt19937 random(99);
-  std::size_t torn = 0;
-  std::size_t standing = 0;
-  for (int round = 0; round < 200; ++round) {
-    long acknowledged = 0;
-    {
-      Child child({path});
-      // Some are killed while they open, most somewhere in the strokes after.
-      const unsigned strokes = random() % 4;
-      for (unsigned i = 0; i <= strokes; ++i) acknowledged = std::max(acknowledged, child.next());
-      ::usleep(static_cast<useconds_t>(random() % 3000));
-      child.kill();
-      for (long more = child.next(); more >= 0; more = child.next()) acknowledged = more;
-    }
-    const JournalContent content = read_journal(path + "/journal");
-    ASSERT_FALSE(content.damaged()) << round;
-    torn += content.torn() ? 1 : 0;
-    if (round % 20 != 19) continue;
-    Session session(path, {}, Job());
-    standing = session.strokes().size();
-    ASSERT_GE(static_cast<long>(standing), acknowledged) << round;
-    ASSERT_LE(static_cast<long>(standing), acknowledged + 1) << round;
-    ASSERT_EQ(content_of(session.grid(), kExtent), expected_content(standing)) << round;
-  }
-  EXPECT_GT(standing, 200U);
-  RecordProperty("torn", static_cast<int>(torn));
-}
-
-TEST(SessionCrash, AFullDiskStopsItAndLosesNothing) {
-  const Folder folder;
-  const std::string path = folder.path("s");
-  create_session(path, ball_grid(12), Redistance::local);
-  for (int round = 0; round < 5; ++round) {
-    // A few hundred bytes more than the journal has: full in the middle of some record.
-    const auto size = std::filesystem::file_size(path + "/journal");
-    Child child({path, std::to_string(size + 200 + 37 * static_cast<unsigned>(round))});
-    long acknowledged = 0;
-    for (long number = child.next(); number >= 0; number = child.next()) acknowledged = number;
-    EXPECT_EQ(child.wait(), 1);  // Error{failed}
-    Session session(path, {}, Job());
-    ASSERT_EQ(static_cast<long>(session.strokes().size()), acknowledged) << round;
-    ASSERT_EQ(content_of(session.grid(), kExtent), expected_content(session.strokes().size()));
-  }
 }
 
 }  // namespace
