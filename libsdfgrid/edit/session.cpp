@@ -73,12 +73,14 @@ void Session::read_journal_file() {
   const std::string place =
       fmt::format("record {} (byte {})", content.records.size(), content.good_bytes);
   if (content.records.empty()) {
+    const std::size_t after = content.records_after_damage;
     throw input_error(
         file("journal"), place,
-        fmt::format("it is damaged, and says how the session began, so nothing can be replayed; "
-                    "the {} records after it can be read",
-                    content.records_after_damage),
-        "begin a new session with base.vdb of this one and a stroke file of those records' texts");
+        "it is damaged, and says how the session began, so nothing can be replayed; " +
+            (after == 0 ? std::string("no other record can be read")
+                        : fmt::format("the {} records after it can be read", after)),
+        std::string("begin a new session with base.vdb of this one") +
+            (after == 0 ? "" : " and a stroke file of those records' texts"));
   }
   if (content.damaged() && !options_.salvage) {
     const std::string after = content.records_after_damage == 0

@@ -109,6 +109,8 @@ TEST_F(SessionDamage, OfTheFirstRecordSaysWhatCanBeRead) {
     expect_in(text, "the 6 records after it can be read");
     expect_in(text, "base.vdb");
   }
+  write_all(journal_, "");
+  expect_in(refusal(salvage_), "no other record can be read");
 }
 
 TEST_F(SessionDamage, EachSalvageKeepsItsJournal) {
