@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <type_traits>
 
 #include "sdfgrid/field/dual.h"
 #include "sdfgrid/field/interval.h"
@@ -115,24 +114,23 @@ void take_near_arcs(const Profile& profile, const T& u, const T& r, const T& bes
   }
 }
 
-// In double with directions that are of length 1 there too.
 template <class T>
-auto profile_arc(const Profile& profile, int i) {
+ProfileArc<float> profile_arc(const Profile& profile, int i) {
   ProfileArc<float> arc;
   __builtin_memcpy(&arc, profile.arcs + ProfileArc<float>::kFloats * i, sizeof arc);
-  if constexpr (std::is_same_v<T, double>) {
-    ProfileArc<double> exact;
-    const auto* from = reinterpret_cast<const float*>(&arc);
-    std::copy(from, from + arc.kFloats, reinterpret_cast<double*>(&exact));
-    for (double* direction : {exact.along, exact.leaving}) {
-      const double l = std::hypot(direction[0], direction[1]);
-      direction[0] /= l;
-      direction[1] /= l;
-    }
-    return exact;
-  } else {
-    return arc;
+  return arc;
+}
+// With directions that are of length 1 in double, too.
+inline ProfileArc<double> exact_arc(const Profile& profile, int i) {
+  const float* from = profile.arcs + ProfileArc<float>::kFloats * i;
+  ProfileArc<double> arc;
+  std::copy(from, from + ProfileArc<float>::kFloats, reinterpret_cast<double*>(&arc));
+  for (double* direction : {arc.along, arc.leaving}) {
+    const double l = std::hypot(direction[0], direction[1]);
+    direction[0] /= l;
+    direction[1] /= l;
   }
+  return arc;
 }
 
 // Which of the points that are asked for are in the figure: those below an odd number of arcs; of
@@ -198,7 +196,8 @@ inline double profile_distance(const Profile& profile, double u, double r) {
 // By the nearest arc's own formula.
 template <class T, int N>
 Dual<T, N> profile_distance(const Profile& profile, const Dual<T, N>& u, const Dual<T, N>& r) {
-  double best = kProfileFar;
+  const double value = profile_distance(profile, u.v, r.v);
+  double best = square(value) * (1 + static_cast<double>(kProfileTie)) + 1e-30;
   int nearest = 0;
   take_near_arcs(profile, u.v, r.v, best, [&](int i) {
     const auto arc = profile_arc<double>(profile, i);
@@ -208,10 +207,10 @@ Dual<T, N> profile_distance(const Profile& profile, const Dual<T, N>& u, const D
     best = square_d;
     nearest = i;
   });
-  const auto arc = profile_arc<double>(profile, nearest);
+  const ProfileArc<double> arc = exact_arc(profile, nearest);
   const Dual<T, N> d =
       arc.faces(u.v, r.v) ? arc.to_circle(u, r) : length(u - arc.b[0], r - arc.b[1]);
-  return (d.v < 0) == (profile_distance(profile, u.v, r.v) < 0) ? d : -d;
+  return (d.v < 0) == (value < 0) ? d : -d;
 }
 
 // As a distance from the middle.
