@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/edit/stroke_file.h"
@@ -41,13 +43,19 @@ StrokeFile read_one(const std::string& text, const std::string& source, const St
   return parse_strokes("{sdfgrid-strokes: 1, strokes: [" + text + "]}", source, stamps);
 }
 
+// The reader's warning of a word that it does not know; its others are of words that do nothing.
+std::optional<std::string> unknown_word(const StrokeFile& read) {
+  for (const std::string& warning : read.warnings) {
+    if (warning.find(" was left out") != std::string::npos) return warning;
+  }
+  return std::nullopt;
+}
+
 // What is not understood of a text, whatever its stamps are.
 std::optional<std::string> not_understood(const std::string& text) {
   NoStamps none;
   try {
-    const StrokeFile read = read_one(text, "stroke", {&none, "", false});
-    if (read.warnings.empty()) return std::nullopt;
-    return read.warnings.front();
+    return unknown_word(read_one(text, "stroke", {&none, "", false}));
   } catch (const Error& e) {
     return e.what();
   }
@@ -115,7 +123,7 @@ Stroke read_recorded_stroke(const std::string& text, std::size_t number, const s
                             const StampSource& stamps) {
   try {
     StrokeFile read = read_one(text, fmt::format("{}: record {}", journal, number), stamps);
-    if (read.warnings.empty() && read.strokes.size() == 1) return std::move(read.strokes.front());
+    if (!unknown_word(read) && read.strokes.size() == 1) return std::move(read.strokes.front());
   } catch (const Error&) {
     if (!not_understood(text)) throw;  // its stamps are at fault
   }
@@ -126,14 +134,14 @@ Stroke read_recorded_stroke(const std::string& text, std::size_t number, const s
 
 void check_recordable(const std::string& text) {
   NoStamps none;
-  std::vector<std::string> warnings;
+  std::optional<std::string> unknown;
   try {
-    warnings = read_one(text, "its text", {&none, "", false}).warnings;
+    unknown = unknown_word(read_one(text, "its text", {&none, "", false}));
   } catch (const Error&) {
     return;  // What takes the place of the stamps may not fit where they do.
   }
-  if (warnings.empty()) return;
-  throw Error(ErrorKind::usage, warnings.front() +
+  if (!unknown) return;
+  throw Error(ErrorKind::usage, *unknown +
                                     "; a session does not record what it does not understand: "
                                     "mend the word or take it out");
 }

@@ -58,7 +58,7 @@ TEST_F(SculptApp, RefusesAStrokeFileWithItsPlace) {
   const Outcome outcome = run({"sculpt", grid_, "--strokes", bad, "-o", out_});
   EXPECT_EQ(outcome.exit, 4) << outcome.error;
   EXPECT_NE(outcome.error.find("bad.yaml"), std::string::npos) << outcome.error;
-  EXPECT_NE(outcome.error.find("3"), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find('3'), std::string::npos) << outcome.error;
   EXPECT_NE(outcome.error.find("union"), std::string::npos) << outcome.error;
 }
 

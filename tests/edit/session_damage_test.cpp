@@ -179,6 +179,19 @@ TEST_F(SessionDamage, AStrokeThatWouldNotBeReadAgainIsNotRecorded) {
   EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(1));
 }
 
+// Words that are known are recorded where they do nothing, too.
+TEST_F(SessionDamage, AWordThatDoesNothingIsRecorded) {
+  make(1);
+  std::string text = stroke_text(1);
+  text.insert(text.size() - 1, ", strength: 0.5, name: a bump");
+  {
+    Session session(path_, {}, Job());
+    (void)session.apply(parse_stroke(text, "test"), Job());
+  }
+  const Session session(path_, {}, Job());
+  EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(2));
+}
+
 // While it lives no file may grow beyond so many bytes, as on a full disk.
 class FileSizeLimit {
  public:
