@@ -1,7 +1,9 @@
 // What clay tools make of one brick; declared in brick_edit.h. A dab changes the field within its
 // radius, by a weight that falls smoothly from one in the middle to zero at the rim.
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
@@ -42,6 +44,7 @@ class Dab {
         outside_(context.limits.outside * static_cast<float>(1 / context.lattice.voxel)) {
     const double voxel = context.lattice.voxel;
     block_.fill(context.bricks, brick, kApron, voxel);
+    if (!has_band()) return;
     found_ = has_surface();
     const int apron = static_cast<int>(std::ceil(std::max(outside_, -inside_))) + 1;
     if (found_ || apron <= kApron) return;
@@ -49,7 +52,7 @@ class Dab {
     found_ = has_surface();
   }
 
-  // Whether there is a surface that its samples can be distances to.
+  // Whether there is a band to move, with a surface that its samples can be distances to.
   [[nodiscard]] bool found() const { return found_; }
   [[nodiscard]] float before(const glm::ivec3& p) const { return block_.at(p); }
 
@@ -68,11 +71,29 @@ class Dab {
  private:
   static constexpr int kEdge = 10;  // of the brick and the samples beside it
 
+  bool has_band() const {
+    for (int x = -1; x <= 8; ++x) {
+      for (int y = -1; y <= 8; ++y) {
+        const float* row = block_.row(x, y) + block_.apron() - 1;
+        for (int z = 0; z < kEdge; ++z) {
+          if (row[z] > inside_ && row[z] < outside_) return true;
+        }
+      }
+    }
+    return false;
+  }
+  // Both signs, by their bits: most of the time is reading.
   bool has_surface() const {
     const float* values = block_.samples().values;
     const int count = block_.edge() * block_.edge() * block_.edge();
-    const auto [least, most] = std::minmax_element(values, values + count);
-    return *least < 0 && *most >= 0;
+    std::uint32_t any = 0;
+    std::uint32_t all = ~0U;
+    for (int i = 0; i < count; ++i) {
+      const auto bits = std::bit_cast<std::uint32_t>(values[i]);
+      any |= bits;
+      all &= bits;
+    }
+    return (any & ~all) >> 31 != 0;
   }
   bool in_band(const glm::ivec3& p) const {
     return block_.at(p) > inside_ && block_.at(p) < outside_;
@@ -152,8 +173,17 @@ void shape_brick(const Stroke& stroke, const ClayDab& dab, const EditContext& co
   CombineOutput& made = edit.made;
   made = CombineOutput{};
   made.after = edit.after;
+  const auto leave = [&] {
+    if (edit.before.values == nullptr) return;
+    std::copy_n(edit.before.active, kBrickWords, made.active);
+    std::copy_n(edit.before.active, kBrickWords, made.suspect);
+  };
+  const glm::dvec3 first = 8.0 * glm::dvec3(edit.brick);
+  if (glm::distance(dab.middle, glm::clamp(dab.middle, first, first + 7.0)) >= dab.radius) {
+    return leave();
+  }
   Dab shaper(stroke, dab, context, edit.brick);
-  if (!shaper.found()) return;
+  if (!shaper.found()) return leave();
   alignas(64) float moved[kBrickSamples];
   shaper.move(moved);
   float box[kBrickSamples];
