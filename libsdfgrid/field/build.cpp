@@ -206,39 +206,40 @@ FormulaFault fault_of(const OpInfo& op, const Field& raw, const Box& cell) {
   return formula_fault(ops::data_of(raw.program(), raw.program().code.back()), cell);
 }
 
+const char* remedy_of(std::string_view op) {
+  if (op == "formula") return "give other `bounds`, or order: 1, an estimate without a bound";
+  if (op == "formula_displace") return "use another formula, or a node that is not near there";
+  if (op == "function") return "give another range by `from` and `to`";
+  return "use smaller parameters or another region";
+}
+
 constexpr double kSteepest = 1e6;
 
 std::string too_steep(const OpInfo& op, const Field& raw, const Box& region,
                       const Steepest& steepest) {
-  const bool formula = std::string_view(op.name) == "formula";
+  const char* const remedy = remedy_of(op.name);
   const std::string where =
       fmt::format("on the region from {} to {}", written(region.lo), written(region.hi));
   if (steepest.slope < kInfinity) {
-    return fmt::format("its slope may be {:.3g} {}, and {:g} is the most; {}", steepest.slope,
-                       where, kSteepest,
-                       formula ? "divide the formula by a number, which moves no surface, or give "
-                                 "smaller `bounds`"
-                               : "use smaller parameters or another region");
+    const bool formula = std::string_view(op.name) == "formula";
+    return fmt::format(
+        "its slope may be {:.3g} {}, and {:g} is the most; {}{}", steepest.slope, where, kSteepest,
+        formula ? "divide the formula by a number, which moves no surface, or " : "", remedy);
   }
   const std::string near = written(steepest.cell.center());
   const FormulaFault fault = fault_of(op, raw, steepest.cell);
-  const char* const away = formula ? "give `bounds` without it, or order: 1, an estimate without a "
-                                     "bound"
-                                   : "use another formula, or a node that is not near it";
   if (fault.jumps) {
     return fmt::format(
         "`{}` jumps {}, near {}, where no step is safe; `repeat` makes copies of a solid, abs, min "
         "and max make kinks; else {}",
-        fault.name, where, near, away);
+        fault.name, where, near, remedy);
   }
   if (fault.name != nullptr) {
     return fmt::format("`{}` has a slope without bound {}, near {}; {}", fault.name, where, near,
-                       away);
+                       remedy);
   }
-  return fmt::format(
-      "its slope has no bound {}; keep away from where it degenerates: use smaller "
-      "parameters or another region{}",
-      where, formula ? ", or order: 1, an estimate without a bound" : "");
+  return fmt::format("its slope has no bound {}; keep away from where it degenerates: {}", where,
+                     remedy);
 }
 
 }  // namespace

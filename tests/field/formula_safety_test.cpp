@@ -111,6 +111,52 @@ TEST(FormulaSafety, EveryFunctionIsBoundedOrRefused) {
   EXPECT_GT(made, 50);
 }
 
+std::string random_formula(std::mt19937& random, int depth) {
+  const auto any = [&] { return random_formula(random, depth - 1); };
+  const auto pick = [&](const std::vector<std::string>& of) { return of[random() % of.size()]; };
+  if (depth == 0) return pick({"x", "y", "z", "2*x", "0.7", "1.5", "x + y", "z - 0.3"});
+  switch (random() % 4) {
+    case 0:
+      return "(" + any() + pick({" + ", " - ", " * ", " / "}) + any() + ")";
+    case 1:
+      return "(" + any() + ")" + pick({"^2", "^3", "^1.5", "^0.5", "^-1"});
+    case 2:
+      return "sqrt((" + any() + ")^2 + 2*(" + any() + ")^2" + pick({"", " + y*y", " + 0.1"}) + ")";
+    default: {
+      const auto all = sdfgrid::formula_functions();
+      const sdfgrid::FormulaFunction& f = all[random() % all.size()];
+      std::string text = std::string(f.name) + "(" + any();
+      for (int i = 1; i < f.least; ++i) text += ", " + any();
+      return text + ")";
+    }
+  }
+}
+
+// In double, as intermediate results may be large.
+TEST(FormulaSafety, RandomFormulasAreBoundedOrRefused) {
+  std::mt19937 random(22);
+  int made = 0;
+  int refused = 0;
+  for (int i = 0; i < 400; ++i) {
+    const std::string text = random_formula(random, 1 + i % 3);
+    SCOPED_TRACE(text);
+    try {
+      const Field field = certified(text, cube(1));
+      const auto values = [&](Points& p) {
+        for (std::size_t k = 0; k < p.x.size(); ++k) {
+          p.value[k] = static_cast<float>(field.gradient(p.at(k)).value);
+        }
+      };
+      EXPECT_LE(pair_excess(values, cube(1.3), 1, 3000), 1e-6);
+      ++made;
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(made, 150);
+  EXPECT_GT(refused, 50);
+}
+
 TEST(FormulaSafety, JumpsAreRefusedByName) {
   const Box around{{0.5, -1, -1}, {1.5, 1, 1}};
   const std::string text = refusal("mod(x, 1) - 0.1", around);
@@ -185,6 +231,10 @@ TEST(FormulaSafety, FunctionsOfOneVariableRefuseOthers) {
   EXPECT_EQ(said("0.5 + 0.2*sin(4*x)", "revolve_z"), "");
   EXPECT_EQ(said("sqrt(1 - x^2)", "revolve_x"), "");
   EXPECT_FALSE(holds(said("1/x", "extrude"), "order"));
+  // More arcs than there may be, and steeper than any bound.
+  EXPECT_TRUE(holds(said("1 + sqrt(abs(sin(9000*x)))", "extrude"),
+                    "keep away from where it degenerates: give another range by `from` and `to`"))
+      << said("1 + sqrt(abs(sin(9000*x)))", "extrude");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "field/pairs.h"
 
 #include <cmath>
+#include <limits>
 
 Points random_points(std::size_t n, const sdfgrid::Box& box, std::mt19937& random) {
   Points p(n);
@@ -13,11 +14,11 @@ Points random_points(std::size_t n, const sdfgrid::Box& box, std::mt19937& rando
   return p;
 }
 
-double pair_excess(const std::function<void(Points&)>& f, const sdfgrid::Box& box,
-                   double constant) {
+double pair_excess(const std::function<void(Points&)>& f, const sdfgrid::Box& box, double constant,
+                   std::size_t pairs) {
   std::mt19937 random(7);
-  Points p = random_points(100000, box, random);
-  Points q = random_points(100000, box, random);
+  Points p = random_points(pairs, box, random);
+  Points q = random_points(pairs, box, random);
   std::uniform_real_distribution<float> exponent(-7, 0);
   for (std::size_t i = 0; i < q.x.size(); ++i) {
     const float t = std::pow(10.0F, exponent(random));
@@ -32,6 +33,7 @@ double pair_excess(const std::function<void(Points&)>& f, const sdfgrid::Box& bo
     const glm::dvec3 d = p.at(i) - q.at(i);
     const double apart = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
     const double rise = std::fabs(static_cast<double>(p.value[i]) - q.value[i]);
+    if (std::isnan(rise)) return std::numeric_limits<double>::infinity();
     worst = std::fmax(worst, rise - constant * apart);
   }
   return worst;

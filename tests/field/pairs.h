@@ -23,8 +23,8 @@ Points random_points(std::size_t n, const sdfgrid::Box& box, std::mt19937& rando
 // no larger than a few times the coordinates.
 constexpr double kRounding = 4e-6;
 
-// By how much |f(p) - f(q)| exceeds constant * |p - q| at worst, of 1e5 seeded pairs in the box;
-// `f` sets the values of points.
+// By how much |f(p) - f(q)| exceeds constant * |p - q| at worst, of seeded pairs in the box; `f`
+// sets the values of points. Infinite if a value is not a number.
 double pair_excess(const std::function<void(Points&)>& f, const sdfgrid::Box& box,
-                   double constant = 1);
+                   double constant = 1, std::size_t pairs = 100000);
 double pair_excess(const sdfgrid::Field& f, const sdfgrid::Box& box);
