@@ -123,9 +123,11 @@ void shape_values(const BrushShape& shape, const Placement& p, const glm::ivec3&
   const glm::vec3 from((8.0 * glm::dvec3(brick) - p.from) * scale);
   const glm::vec3 step(scale);
   for (int s = 0; s < count; ++s) {
-    x[s] = from.x + step.x * static_cast<float>(s / (edge * edge) - apron);
-    y[s] = from.y + step.y * static_cast<float>(s / edge % edge - apron);
-    z[s] = from.z + step.z * static_cast<float>(s % edge - apron);
+    const glm::ivec3 at = glm::ivec3(s / (edge * edge), s / edge % edge, s % edge) - apron;
+    const glm::vec3 place = from + step * glm::vec3(at);
+    x[s] = place.x;
+    y[s] = place.y;
+    z[s] = place.z;
   }
   shape.distances(x, y, z, d, static_cast<std::size_t>(count));
   for (int s = 0; s < count; ++s) d[s] *= per_voxel;
