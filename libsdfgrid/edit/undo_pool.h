@@ -1,5 +1,5 @@
 // edit/undo_pool.h: memory for the samples that undo keeps, from large pages: the first touch of
-// small ones takes longer than the copy that is kept there. Internal to edit/.
+// small ones takes longer than the copy that is kept there.
 #pragma once
 
 #include <cstddef>

@@ -39,7 +39,7 @@ const std::vector<HeavyPackage>& heavy_packages() {
        std::regex("libsdfgrid/core/parallel\\.cpp")},
       {"CGAL", std::regex("CGAL/.*"), std::regex("libsdfgrid/mesh/repair.*")},
       {"yaml-cpp", std::regex("yaml-cpp/.*"),
-       std::regex("libsdfgrid/(scene/.*|edit/stroke_file\\.cpp)")},
+       std::regex("libsdfgrid/(scene/.*|edit/(stroke_file|yaml_checks)\\.cpp)")},
       {"CLI11", std::regex("CLI/.*"), std::regex("apps/.*")},
       {"JSON", std::regex("nlohmann/.*"), std::regex("apps/.*")},
       {"threads", std::regex("thread|future|pthread\\.h|omp\\.h"),
