@@ -338,8 +338,11 @@ class Parser {
 
   void one(FormulaOp op, std::size_t place, double number = 0) {
     if (code_.back().op == FormulaOp::constant) {
-      code_.back().number = checked(
-          ops::apply_one<double>(op, code_.back().number, static_cast<float>(number)), place);
+      const double a = code_.back().number;
+      const double value = op == FormulaOp::logarithm
+                               ? std::log(a)
+                               : ops::apply_one<double>(op, a, static_cast<float>(number));
+      code_.back().number = checked(value, place);
     } else {
       emit({op, number}, place);
     }
@@ -348,8 +351,11 @@ class Parser {
     const std::size_t n = code_.size();
     if (n >= 2 && code_[n - 1].op == FormulaOp::constant &&
         code_[n - 2].op == FormulaOp::constant) {
-      code_[n - 2].number =
-          checked(ops::apply_two<double>(op, code_[n - 2].number, code_[n - 1].number), place);
+      const double a = code_[n - 2].number;
+      const double b = code_[n - 1].number;
+      const double value =
+          op == FormulaOp::power ? std::pow(a, b) : ops::apply_two<double>(op, a, b);
+      code_[n - 2].number = checked(value, place);
       code_.pop_back();
       --stack_;
     } else {

@@ -23,7 +23,8 @@ struct Point {
 // The parts of the arithmetic that double lacks or has elsewhere. Never called by kernels.
 inline double sqrt(double a) { return std::sqrt(a > 0 ? a : 0.0); }
 inline double exp(double a) { return std::exp(a); }
-inline double log(double a) { return std::log(a); }
+// As single precision has it: of what is not above 0 about -87.
+inline double log(double a) { return std::log(a > 1.17549435e-38 ? a : 1.17549435e-38); }
 inline double sin(double a) { return std::sin(a); }
 inline double cos(double a) { return std::cos(a); }
 inline double atan2(double y, double x) { return std::atan2(y, x); }
