@@ -20,6 +20,7 @@
 #include "sdfgrid/grid/convert.h"
 #include "sdfgrid/grid/convert_field.h"
 #include "sdfgrid/grid/grid.h"
+#include "sdfgrid/grid/recovered.h"
 #include "sdfgrid/grid/steepened.h"
 #include "sdfgrid/image/image.h"
 #include "sdfgrid/trace/atlas_seen.h"
@@ -171,10 +172,9 @@ Content load_shown_scene(Options& options, Context& context) {
   convert.dim = options.dim > 0 ? options.dim : std::clamp(pixels / 3, 64, 512);
   const FieldConversion conversion =
       naming(options.input, [&] { return convert_field(field, convert, context.job()); });
-  Content content{make_atlas(steepened(conversion.grid, context.job()), context.job()),
-                  nullptr,
-                  std::move(model.materials),
-                  {}};
+  const Grid lit = model.has_grids ? recovered(conversion.grid, field, context.job())
+                                   : steepened(conversion.grid, context.job());
+  Content content{make_atlas(lit, context.job()), nullptr, std::move(model.materials), {}};
   const Box box = field.bounds();
   const glm::dvec3 margin(1e-4 * glm::length(box.size()));
   content.scene = std::make_unique<FieldTracer>(field, Box{box.lo - margin, box.hi + margin});

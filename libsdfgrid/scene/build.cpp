@@ -249,6 +249,7 @@ class SceneBuilder {
     known.dim = mesh ? dim : 0;
     const Grid grid = mesh ? convert(known) : read_grid(path);
     known.sampler = make_sampler(grid, job_, paint_tags(grid));
+    model_.has_grids = true;
     return known.sampler;
   }
 

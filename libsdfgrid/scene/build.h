@@ -23,6 +23,7 @@ struct SceneModel {
   Field field;  // tag_at() gives the index of a surface's material, or -1
   std::vector<Material> materials;
   SceneCamera camera;
+  bool has_grids = false;             // or meshes, whose fields are cut off at the end of a band
   std::vector<std::string> warnings;  // of the meshes that were converted
 };
 

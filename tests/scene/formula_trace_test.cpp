@@ -9,9 +9,11 @@
 #include <vector>
 
 #include "sdfgrid/grid/convert_field.h"
+#include "sdfgrid/grid/recovered.h"
 #include "sdfgrid/grid/steepened.h"
 #include "sdfgrid/grid/vdb.h"
 #include "sdfgrid/trace/field_trace.h"
+#include "sdfgrid/trace/grid_sampler.h"
 
 namespace sdfgrid {
 namespace {
@@ -110,6 +112,32 @@ TEST(FormulaTrace, SteepenedGridsAreAboutDistances) {
   // What is a distance is left alone.
   const Grid ball = convert_field(make_field("sphere"), options, Job()).grid;
   EXPECT_EQ(vdb(steepened(ball, {})), vdb(ball));
+}
+
+// A fine grid's band ends before the next voxel of a coarse one, so that sampling it gives a
+// staircase; light needs the surface.
+TEST(FormulaTrace, RecoveredGridsFindTheSurfaceOfFineBands) {
+  FieldConvertOptions options;
+  options.dim = 256;
+  const Field fine =
+      make_field(make_sampler(convert_field(make_field("sphere"), options, Job()).grid, Job()));
+  options.dim = 32;
+  const Grid coarse = convert_field(fine, options, Job()).grid;
+  const Grid grid = recovered(coarse, fine, {});
+  const double h = grid.lattice().voxel;
+  int beside = 0;
+  double worst_before = 0;
+  for (auto it = vdb(grid)->cbeginValueOn(); it; ++it) {
+    const openvdb::Coord at = it.getCoord();
+    const glm::dvec3 p = grid.lattice().to_world(glm::dvec3(at.x(), at.y(), at.z()));
+    const double d = glm::length(p) - 1;
+    if (std::fabs(d) > 0.5 * h) continue;
+    ++beside;
+    ASSERT_NEAR(*it, d, 0.05 * h);
+    worst_before = std::fmax(worst_before, std::fabs(vdb(coarse)->tree().getValue(at) - d));
+  }
+  EXPECT_GT(beside, 1000);
+  EXPECT_GT(worst_before, 0.12 * h);
 }
 
 }  // namespace
