@@ -195,9 +195,9 @@ class Parser {
 
   void variable(char name, std::size_t place) {
     if (variables_.find(name) == std::string_view::npos) {
-      fail(place, fmt::format("`{}` has no value here; {}", name,
+      fail(place, fmt::format("`{}` has no value here ({})", name,
                               variables_.empty() ? "a number is wanted"
-                                                 : fmt::format("write it of {}", variables_)));
+                                                 : fmt::format("the variable is {}", variables_)));
     }
     emit({static_cast<FormulaOp>(static_cast<int>(FormulaOp::x) + name - 'x'), 0}, place);
   }
@@ -241,6 +241,7 @@ class Parser {
         {"abs", FormulaOp::absolute},   {"exp", FormulaOp::exponential},
         {"log", FormulaOp::logarithm},  {"sin", FormulaOp::sine},
         {"cos", FormulaOp::cosine},     {"acos", FormulaOp::arccosine},
+        {"tan", FormulaOp::tangent},    {"asin", FormulaOp::arcsine},
         {"floor", FormulaOp::floor_of}, {"sign", FormulaOp::sign_of}};
     for (const auto& [name, op] : kDirect) {
       if (name == word) return one(op, place);
@@ -254,17 +255,7 @@ class Parser {
         [&, code = Codes(code_.begin() + static_cast<std::ptrdiff_t>(first), code_.end())] {
           for (const Code& c : code) emit(c, place);
         };
-    if (word == "tan") {
-      one(FormulaOp::sine, place);
-      argument();
-      one(FormulaOp::cosine, place);
-      two(FormulaOp::divide, place);
-    } else if (word == "asin") {
-      one(FormulaOp::arccosine, place);
-      one(FormulaOp::negative, place);
-      constant(std::numbers::pi / 2);
-      two(FormulaOp::add, place);
-    } else if (word == "atan") {
+    if (word == "atan") {
       constant(1);
       two(FormulaOp::arctangent2, place);
     } else {

@@ -31,6 +31,8 @@ enum class FormulaOp {
   logarithm,
   sine,
   cosine,
+  tangent,
+  arcsine,
   arccosine,
   floor_of,
   sign_of,
@@ -80,6 +82,10 @@ T apply_one(FormulaOp op, const T& a, float number) {
       return sin(a);
     case FormulaOp::cosine:
       return cos(a);
+    case FormulaOp::tangent:
+      return sin(a) / cos(a);
+    case FormulaOp::arcsine:
+      return T(1.57079633F) - acos(a);
     case FormulaOp::arccosine:
       return acos(a);
     case FormulaOp::floor_of:

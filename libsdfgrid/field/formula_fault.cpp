@@ -23,6 +23,10 @@ FormulaFault named(FormulaOp op) {
       return {"sqrt", false};
     case FormulaOp::logarithm:
       return {"log", false};
+    case FormulaOp::tangent:
+      return {"tan", false};
+    case FormulaOp::arcsine:
+      return {"asin", false};
     case FormulaOp::arccosine:
       return {"acos", false};
     case FormulaOp::power:

@@ -209,6 +209,8 @@ TEST(FormulaSafety, LengthsAndPowersHaveTheirSlope) {
   EXPECT_TRUE(holds(refusal("sqrt(x^2 - y^2) - 0.5", box), "`sqrt` has a slope without bound"));
   EXPECT_TRUE(holds(refusal("abs(x)^0.7 - 0.5", box), "`^` has a slope without bound"));
   EXPECT_TRUE(holds(refusal("log(x - 2) + x", box), "`log` has a slope without bound"));
+  EXPECT_TRUE(holds(refusal("tan(2*x) + y", box), "`tan` has a slope without bound"));
+  EXPECT_TRUE(holds(refusal("asin(x) + y", box), "`asin` has a slope without bound"));
   EXPECT_TRUE(holds(refusal("1/x", box), "`/` has a slope without bound"));
 }
 
@@ -228,10 +230,11 @@ TEST(FormulaSafety, FunctionsOfOneVariableRefuseOthers) {
     }
     return "";
   };
-  EXPECT_EQ(said("0.5 + 0.2*sin(4*z)", "revolve_z"),
-            "formula: `z` has no value here; write it of x at character 17\n  0.5 + 0.2*sin(4*z)\n"
-            "                  ^");
-  EXPECT_TRUE(holds(said("y", "extrude"), "`y` has no value here; write it of x"));
+  EXPECT_EQ(
+      said("0.5 + 0.2*sin(4*z)", "revolve_z"),
+      "formula: `z` has no value here (the variable is x) at character 17\n  0.5 + 0.2*sin(4*z)\n"
+      "                  ^");
+  EXPECT_TRUE(holds(said("y", "extrude"), "`y` has no value here (the variable is x)"));
   EXPECT_EQ(said("0.5 + 0.2*sin(4*x)", "revolve_z"), "");
   EXPECT_EQ(said("sqrt(1 - x^2)", "revolve_x"), "");
   EXPECT_FALSE(holds(said("1/x", "extrude"), "order"));
