@@ -122,15 +122,18 @@ void shape_values(const BrushShape& shape, const Placement& p, const glm::ivec3&
   const auto per_voxel = static_cast<float>(p.pressure / voxel);
   const glm::vec3 from((8.0 * glm::dvec3(brick) - p.from) * scale);
   const glm::vec3 step(scale);
-  for (int s = 0; s < count; ++s) {
-    const glm::ivec3 at = glm::ivec3(s / (edge * edge), s / edge % edge, s % edge) - apron;
-    const glm::vec3 place = from + step * glm::vec3(at);
-    x[s] = place.x;
-    y[s] = place.y;
-    z[s] = place.z;
+  int s = 0;
+  for (int i = -apron; i < 8 + apron; ++i) {
+    for (int j = -apron; j < 8 + apron; ++j) {
+      for (int k = -apron; k < 8 + apron; ++k, ++s) {
+        x[s] = from.x + step.x * static_cast<float>(i);
+        y[s] = from.y + step.y * static_cast<float>(j);
+        z[s] = from.z + step.z * static_cast<float>(k);
+      }
+    }
   }
   shape.distances(x, y, z, d, static_cast<std::size_t>(count));
-  for (int s = 0; s < count; ++s) d[s] *= per_voxel;
+  for (s = 0; s < count; ++s) d[s] *= per_voxel;
 }
 
 // Calls visit(s, d, sides) for a brick's samples: d points to the sample's value, and
@@ -184,13 +187,16 @@ void shape_distances(const BrushShape& shape, double voxel, const StrokePlan& pl
   for (std::uint32_t i = planned.begin; i < planned.end; ++i) {
     const Placement& p = plan.placements[plan.reaching[i]];
     shape_values(shape, p, planned.brick, voxel, apron, values);
+    const float* brush = values;  // of the brick alone
     if (shape.shallow) {
       divide_by_slope(values, apron, d);
-    } else {
+      brush = d;
+    } else if (apron > 0) {
       for_samples(values, apron, [&](int s, const float* value, const auto&) { d[s] = *value; });
+      brush = d;
     }
     for (int s = 0; s < kBrickSamples; ++s) {
-      distances[s] = i == planned.begin ? d[s] : std::min(distances[s], d[s]);
+      distances[s] = i == planned.begin ? brush[s] : std::min(distances[s], brush[s]);
     }
     for (int s = 0; apart != nullptr && s < kBlockSamples; ++s) {
       least[s] = i == planned.begin ? values[s] : std::min(least[s], values[s]);

@@ -337,9 +337,8 @@ void Sculptor::Pass::commit(const BrickEdit& edit) {
   if (!is_csg(stroke_.op)) {
     task.beside_surface = true;
   } else if (stroke_.smooth > 0 || (stroke_.brush.shape && !stroke_.brush.shape->exact)) {
-    // What was made is no distance: beside the surface neither, unless it was divided by its slope
-    // there, which leaves the surface where the brush has it.
-    task.beside_surface = stroke_.smooth > 0 || !stroke_.brush.shape->shallow;
+    // What was made is no distance, beside the surface neither.
+    task.beside_surface = true;
     for (int word = 0; word < 8; ++word)
       task.suspect[word] |= made.changed[word] & made.active[word];
   }

@@ -30,6 +30,7 @@ struct Case {
   Solid solid;
   const char* kind;
   bool has_edges = false;
+  double within = 0.1;  // voxels in which 98 of 100 samples of what was made in two ways agree
 };
 
 Solid ball(const glm::dvec3& at, double radius) {
@@ -98,6 +99,9 @@ std::vector<Case> bound_cases(int count, unsigned seed) {
       c.solid = ball(at, std::sqrt(std::stod(std::to_string(radius * radius * 0.01)) * 100));
       c.kind = "formula";
       c.has_edges = false;
+      // Beside its surface, too, samples are measured anew, to the trilinear surface (1 / (4 R)
+      // from the ball's, R > 5) and what a kept value may be wrong by (0.03); each time anew.
+      c.within = 2 * (0.05 + 0.03);
       continue;
     }
     constexpr double kTurns = 0.25;  // per unit of length
@@ -166,7 +170,7 @@ void expect_same(const Grid& a, const Grid& b, const Case& c) {
   // A sliver between two samples may be there in the one and lost in the other.
   EXPECT_LT(differences[differences.size() * 999 / 1000], 0.87) << c.kind;
   if (c.has_edges) return;
-  EXPECT_LT(differences[differences.size() * 98 / 100], 0.1) << c.kind;
+  EXPECT_LT(differences[differences.size() * 98 / 100], c.within) << c.kind;
 }
 
 // The surface of a solid by marching cubes on a lattice twice as fine, converted anew.

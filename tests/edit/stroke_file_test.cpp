@@ -349,58 +349,5 @@ TEST(StrokeFile, ABoundWithinTheModelLeavesItsSurfaceAlone) {
   }
 }
 
-double farthest_apart(const Grid& a, const Grid& b) {
-  const auto first = crossings_of(a, 24);
-  const auto second = crossings_of(b, 24);
-  double worst = 0;
-  for (const auto& [column, places] : first) {
-    const auto other = second.find(column);
-    if (other == second.end() || other->second.size() != places.size()) return 1;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      worst = std::max(worst, std::abs(other->second[i] - places[i]));
-    }
-  }
-  return worst;
-}
-
-// A ball as a formula, whose values are far from distances, cuts the surface that the ball cuts,
-// beside the crease, too, and does it once: again it hardly moves anything.
-TEST(StrokeFile, AFormulaOfABallCutsAsTheBallDoes) {
-  for (const std::string op : {"union", "difference", "intersection"}) {
-    const std::string rest = ", path: [[0.83, 0.42, 1.21]]}";
-    const Stroke formula = parse_stroke(
-        "{op: " + op + ", brush: {formula: {f: 'x^2+y^2+z^2-0.64', bounds: [[-1, -1, -1], " +
-            "[1, 1, 1]]}}" + rest,
-        "test");
-    const Stroke ball =
-        parse_stroke("{op: " + op + ", brush: {sphere: {radius: 0.8}}" + rest, "test");
-    const Grid exact = ball_grid(15);
-    const Grid once = ball_grid(15);
-    const Grid twice = ball_grid(15);
-    (void)Sculptor(exact).apply(ball, Job());
-    (void)Sculptor(once).apply(formula, Job());
-    for (int i = 0; i < 2; ++i) (void)Sculptor(twice).apply(formula, Job());
-    // The formula's second derivative is 1 / R of its slope: 1 / (8 R) between two samples, and
-    // 1 / (4 R) for their slopes, by which each is divided, differ as much.
-    EXPECT_LT(farthest_apart(exact, once), 3.0 / (8 * 8)) << op;
-    EXPECT_LT(farthest_apart(once, twice), 0.03) << op;  // which a kept value may be wrong by
-    // And what it leaves are distances, beside the surface, too.
-    int steep = 0;
-    int beside = 0;
-    for (int x = -22; x <= 22; ++x) {
-      for (int y = -22; y <= 22; ++y) {
-        for (int z = -22; z <= 22; ++z) {
-          const float truth = exact.value({x, y, z});
-          if (std::abs(truth) > 0.1F) continue;
-          ++beside;
-          steep += std::abs(once.value({x, y, z}) - truth) > 0.005F ? 1 : 0;
-        }
-      }
-    }
-    EXPECT_GT(beside, 400) << op;
-    EXPECT_LT(steep, beside / 50) << op << " " << steep << " of " << beside;
-  }
-}
-
 }  // namespace
 }  // namespace sdfgrid
