@@ -94,8 +94,9 @@ std::string traits(const Parameter& p) {
 
 // Whether the example needs a file beside it, so that there is no picture of it.
 bool takes_file(const OpEntry& op) {
-  return std::any_of(op.parameters.begin(), op.parameters.end(),
-                     [](const Parameter& p) { return std::string_view(p.name) == "file"; });
+  return std::any_of(op.parameters.begin(), op.parameters.end(), [](const Parameter& p) {
+    return std::string_view(p.name) == "file" && std::isnan(p.fallback[0]);
+  });
 }
 
 // All words of nodes, ordered by their roles.

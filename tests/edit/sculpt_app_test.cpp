@@ -131,7 +131,7 @@ TEST_F(SculptApp, AFirstStrokeThatIsRefusedMakesNoSession) {
   const std::string bad =
       folder_.write("bad.yaml",
                     "sdfgrid-strokes: 1\nstrokes:\n"
-                    "  - {op: union, brush: {sphere: {radius: 0}}, path: [[0, 0, 1]]}\n");
+                    "  - {op: flatten, brush: {sphere: {radius: 0.1}}, path: [[0, 0, 9]]}\n");
   const Outcome refused = run({"sculpt", grid_, "--strokes", bad, "--session", session});
   EXPECT_EQ(refused.exit, 4) << refused.error;
   EXPECT_NE(refused.error.find("bad.yaml: stroke 1"), std::string::npos) << refused.error;
