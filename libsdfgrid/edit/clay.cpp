@@ -209,8 +209,8 @@ void shape_brick(const Stroke& stroke, const ClayDab& dab, const EditContext& co
     }
     if (after != before) made.changed[i >> 6] |= bit;
     made.any_changed = made.any_changed || after != before;
-    inside += after <= context.limits.inside ? 1 : 0;
-    outside += after >= context.limits.outside ? 1 : 0;
+    inside += after == context.limits.inside ? 1 : 0;
+    outside += after == context.limits.outside ? 1 : 0;
   }
   made.all_inside = inside == kBrickSamples;
   made.all_outside = outside == kBrickSamples;

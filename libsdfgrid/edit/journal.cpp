@@ -165,6 +165,11 @@ Journal::Journal(std::string path, const JournalContent& content)
 Journal::~Journal() { ::close(file_); }
 
 void Journal::append(const std::string& text) {
+  if (untidy_) {
+    throw Error(ErrorKind::failed, path_ +
+                                       ": after a write that failed its end is not what was "
+                                       "acknowledged; open the session anew");
+  }
   const std::string line = record_line(hash_, count_, text);
   std::size_t written = 0;
   int reason = 0;
@@ -177,7 +182,7 @@ void Journal::append(const std::string& text) {
   if (reason == 0 && ::fdatasync(file_) != 0) reason = errno;
   if (reason != 0) {
     // Best effort: a torn record is recognized when the journal is read.
-    (void)!::ftruncate(file_, static_cast<off_t>(size_));
+    untidy_ = ::ftruncate(file_, static_cast<off_t>(size_)) != 0;
     fail(path_, reason);
   }
   size_ += line.size();

@@ -62,6 +62,7 @@ class Journal {
  private:
   std::string path_;
   int file_ = -1;
+  bool untidy_ = false;  // a record that was not acknowledged may stand at its end
   std::uint64_t size_ = 0;
   std::size_t count_ = 0;
   std::uint64_t hash_ = 0;

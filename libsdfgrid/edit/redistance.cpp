@@ -1,8 +1,8 @@
 #include "sdfgrid/edit/redistance.h"
 
 #include <algorithm>
-#include <cassert>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <cstring>
 #include <iterator>

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <system_error>
 
@@ -245,7 +246,7 @@ void Session::snapshot() {
     compact(grid());
     write_snapshot(grid(), folder_, records_.size(), journal_->hash());
     remove_leftovers(folder_);
-  } catch (const Error& e) {
+  } catch (const std::exception& e) {
     warnings_.push_back(
         fmt::format("no snapshot was made ({}); opening will take longer", e.what()));
   }

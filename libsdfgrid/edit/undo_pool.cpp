@@ -42,10 +42,12 @@ UndoPool::~UndoPool() {
 
 UndoPool::Chunk UndoPool::take() {
   if (with_room_.empty()) {
+    with_room_.reserve(slabs_ + 1);  // give() must not throw
     void* memory = std::aligned_alloc(kSlabBytes, kSlabBytes);
     if (memory == nullptr) throw std::bad_alloc();
     prefer_large_pages(memory, kSlabBytes);
     with_room_.push_back(new (memory) Slab{this});
+    ++slabs_;
   }
   Slab& slab = *with_room_.back();
   UndoChunk* chunk = slab.free;
@@ -68,6 +70,7 @@ void UndoPool::give(Slab* slab, UndoChunk* chunk) {
   if (slab->used > 0 || with_room_.size() == 1) return;
   with_room_.erase(std::find(with_room_.begin(), with_room_.end(), slab));
   std::free(slab);
+  --slabs_;
 }
 
 void UndoPool::GiveBack::operator()(UndoChunk* chunk) const {

@@ -39,6 +39,7 @@ class UndoPool {
   struct Slab;
   void give(Slab* slab, UndoChunk* chunk);
 
+  std::size_t slabs_ = 0;
   std::vector<Slab*> with_room_;  // those that have free chunks, in no order
 };
 

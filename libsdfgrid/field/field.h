@@ -85,17 +85,23 @@ class Sampler {
   [[nodiscard]] virtual double step() const = 0;
   // The value at that signed distance from the surface, where it is less by some rule.
   [[nodiscard]] virtual double value_at(double distance) const { return distance; }
-  // Values of at most this size, inside and outside, say where the surface is; larger ones only
-  // that it is further away. Infinite where all do.
-  [[nodiscard]] virtual double reach() const { return std::numeric_limits<double>::infinity(); }
+  // Values up to these, inside and outside and both positive, say where the surface is; larger
+  // ones only that it is further away. Infinite where all do.
+  [[nodiscard]] virtual double reach_inside() const {
+    return std::numeric_limits<double>::infinity();
+  }
+  [[nodiscard]] virtual double reach_outside() const {
+    return std::numeric_limits<double>::infinity();
+  }
   // The mark of its surface near a point, or -1 for that of the leaf: see Field::tagged().
   [[nodiscard]] virtual int tag(const glm::dvec3& /*p*/) const { return -1; }
 };
 
-// How far from its surface a field looks at a sampler's values, by offsets, shells and blends.
+// The values of a sampler that a field looks at, by offsets, shells and blends: from lo <= 0 inside
+// to hi >= 0 outside.
 struct SamplerUse {
   const Sampler* sampler;
-  double level;  // >= 0, in the sampler's own space
+  double lo, hi;
 };
 
 class Field {
@@ -118,7 +124,7 @@ class Field {
   // A box that holds every point where the value is below `level`; axes without end are infinite,
   // the box is empty if there is no such point.
   [[nodiscard]] Box bounds(double level = 0) const;
-  // Each sampler once, with the largest level of all its uses.
+  // Each sampler once, with all values that are looked at. Morphs take what there is.
   [[nodiscard]] std::vector<SamplerUse> sampler_uses() const;
 
   // A bound on the gradient over the box, at most 1 and often less: inside it a step may be longer

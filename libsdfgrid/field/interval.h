@@ -142,7 +142,7 @@ inline Interval exp(const Interval& a) {
 }
 inline Interval log(const Interval& a) {
   // Single precision ends at about e^-87.
-  const Interval r = widened(std::log(std::fmax(a.lo, 0)), std::log(std::fmax(a.hi, 1e-38)));
+  const Interval r = widened(std::log(std::fmax(a.lo, 0)), std::log(std::fmax(a.hi, 1.2e-38)));
   return {r.lo - kFunctionSlack, r.hi + kFunctionSlack};
 }
 // Of a >= 0.

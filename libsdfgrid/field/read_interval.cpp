@@ -338,38 +338,7 @@ Box bounds_below(const Program& program, const std::vector<std::int32_t>& starts
   return op.bounds(c, data, first, second, level);
 }
 
-// Adds what the subtree that ends at instruction `last` asks of samplers for its surface `level`.
-void add_uses(const Program& program, const std::vector<std::int32_t>& starts, int last,
-              double level, std::vector<SamplerUse>& uses) {
-  const Instruction& at = program.code[last];
-  if (at.step == Step::sample) {
-    const Sampler* sampler = &sampler_of(program, at);
-    const auto same = [&](const SamplerUse& use) { return use.sampler == sampler; };
-    const auto known = std::find_if(uses.begin(), uses.end(), same);
-    SamplerUse& use = known != uses.end() ? *known : uses.emplace_back(SamplerUse{sampler, 0});
-    use.level = std::fmax(use.level, std::fabs(level));
-    return;
-  }
-  if (at.step == Step::leaf) return;
-  // A smooth union of two surfaces is lowered by a quarter of its width, yet reads values of all of
-  // it.
-  constexpr double kWidths = 4;
-  double below =
-      has_boxes(at) ? level : registry()[at.op].child_level(constants_of(program, at), level);
-  if (at.step == Step::combine) below = level + kWidths * (below - level);
-  add_uses(program, starts, last - 1, below, uses);
-  if (at.step == Step::combine) add_uses(program, starts, starts[last - 1] - 1, below, uses);
-}
-
 }  // namespace
-
-std::vector<SamplerUse> Field::sampler_uses() const {
-  std::vector<SamplerUse> uses;
-  const auto& known = program_->starts;
-  add_uses(*program_, known.empty() ? subtree_starts(program_->code) : known,
-           static_cast<int>(program_->code.size()) - 1, 0, uses);
-  return uses;
-}
 
 Box Field::bounds(double level) const {
   const auto& known = program_->starts;

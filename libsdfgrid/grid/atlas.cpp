@@ -95,7 +95,7 @@ void Builder::find_extent() {
   }
   if (lo.x > hi.x) return;
   const glm::dvec3 extent = glm::dvec3(hi) - glm::dvec3(lo) + 1.0;
-  const double bytes = (sizeof(std::int32_t) + Atlas::kOctants) * extent.x * extent.y * extent.z;
+  const double bytes = (sizeof(std::int32_t) + Atlas::kJumpTables) * extent.x * extent.y * extent.z;
   if (bytes > kMaxTableBytes) {
     throw Error(ErrorKind::failed,
                 fmt::format("tracing this grid needs tables of {:.1f} GB ({} x {} x {} bricks), "

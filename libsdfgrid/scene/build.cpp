@@ -52,21 +52,24 @@ class SceneBuilder {
   bool widen_bands() {
     bool any = false;
     for (const SamplerUse& use : model_.field.sampler_uses()) {
-      const double reach = use.sampler->reach();
-      if (use.level <= reach) continue;
+      const double inside = use.sampler->reach_inside();
+      const double outside = use.sampler->reach_outside();
+      if (-use.lo <= inside && use.hi <= outside) continue;
+      const double times = std::max(-use.lo / inside, use.hi / outside);
       const auto found = std::find_if(samplers_.begin(), samplers_.end(), [&](const auto& known) {
         return known.second.sampler.get() == use.sampler;
       });
       Sampled& sampled = found->second;
       if (sampled.dim == 0) {
-        throw input_error(file_, "",
-                          fmt::format("an offset, shell, blend or displacement looks {:.4g} beyond "
-                                      "the surface of {}, whose distances end at {:.4g}",
-                                      use.level, sampled.path, reach),
-                          fmt::format("convert it with a band {:.1f} times as wide (--width)",
-                                      std::ceil(10.5 * use.level / reach) / 10));
+        throw input_error(
+            file_, "",
+            fmt::format("an offset, shell, blend or displacement looks {:.4g} inwards and {:.4g} "
+                        "outwards of the surface of {}, whose distances end at {:.4g} and {:.4g}",
+                        -use.lo, use.hi, sampled.path, inside, outside),
+            fmt::format("convert it with a band {:.1f} times as wide (--width)",
+                        std::ceil(10.5 * times) / 10));
       }
-      sampled.width = std::ceil(1.05 * sampled.width * use.level / reach) + 1;
+      sampled.width = std::ceil(1.05 * sampled.width * times) + 1;
       sampled.sampler.reset();
       any = true;
     }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -23,10 +24,23 @@ namespace {
 // inside, and outside beside its edges only.
 class Flattening {
  public:
-  explicit Flattening(const Atlas& atlas)
-      : bin_(std::max(1.0 / 8, std::max(atlas.outside, -atlas.inside) / kMostBins)),
-        sides_{std::vector<float>(bins(-atlas.inside), 1),
-               std::vector<float>(bins(atlas.outside), 1)} {}
+  explicit Flattening(const Atlas& atlas) {
+    double most = atlas.outside;
+    cut_off_ = std::count(atlas.bricks.begin(), atlas.bricks.end(), Atlas::kInside) > 0;
+    if (cut_off_) least_ = atlas.inside;
+    for (const float v : atlas.samples) {
+      if (!std::isfinite(v)) continue;
+      least_ = std::min(least_, double(v));
+      most = std::max(most, double(v));
+    }
+    bin_ = std::max(1.0 / 8, std::max(most, -least_) / kMostBins);
+    sides_ = {std::vector<float>(bins(-least_), 1), std::vector<float>(bins(most), 1)};
+  }
+
+  // The values that are known inside, voxels: all, where no brick is without samples.
+  [[nodiscard]] double reach_inside() const {
+    return cut_off_ ? -(*this)(least_) : std::numeric_limits<double>::infinity();
+  }
 
   void measure(const Atlas& atlas, const Job& job) {
     boxes_.resize(sides_[1].size() + 2);
@@ -93,7 +107,7 @@ class Flattening {
   static constexpr double kMostBins = 2048;
 
   [[nodiscard]] std::size_t bins(double width) const {
-    return static_cast<std::size_t>(std::ceil(width / bin_));
+    return static_cast<std::size_t>(std::ceil(std::max(width, 0.0) / bin_)) + 1;
   }
 
   // Each of the gradient's components is linear in each of the other coordinates, so that the
@@ -114,6 +128,7 @@ class Flattening {
         most_square = std::max(most_square, a * a + b * b + c * c);
       }
       const auto [least, most] = std::minmax_element(std::begin(v), std::end(v));
+      if (!(std::isfinite(*least) && std::isfinite(*most) && most_square < 1e30F)) continue;
       const double bin = *least < 0 ? 0 : 1 + *least / bin_;
       if (bin < static_cast<double>(boxes.size())) add_box(slot, at, 1, boxes[std::size_t(bin)]);
       if (!(most_square > 1)) continue;
@@ -143,7 +158,9 @@ class Flattening {
     for (std::size_t n = first; n < end; ++n) side[n] = std::max(side[n], square);
   }
 
-  double bin_;                               // voxels
+  bool cut_off_ = false;
+  double least_ = 0;                         // voxels
+  double bin_ = 1;                           // voxels
   Sides sides_;                              // squares of the steepest gradients
   std::array<std::vector<double>, 2> sums_;  // of phi at the ends of the bins
   // Of the cells with negative samples, then with such below the start of bin 0, 1, ... too.
@@ -181,7 +198,9 @@ class GridSampler : public Sampler {
     const Box far = Sampler::bounds(level);
     if (near.empty()) return near;
     const glm::dvec3 base(atlas_.lo * Atlas::kBrick);
-    const Box box{atlas_.lattice.to_world(base + near.lo), atlas_.lattice.to_world(base + near.hi)};
+    // One cell more: those before a brick's first samples belong to a slot that may have no brick.
+    const Box box{atlas_.lattice.to_world(base + near.lo - 1.0),
+                  atlas_.lattice.to_world(base + near.hi)};
     return {glm::max(box.lo, far.lo), glm::min(box.hi, far.hi)};
   }
   [[nodiscard]] double value(const glm::dvec3& p) const override {
@@ -193,8 +212,11 @@ class GridSampler : public Sampler {
   [[nodiscard]] double value_at(double distance) const override {
     return phi_(distance / atlas_.lattice.voxel) * atlas_.lattice.voxel;
   }
-  [[nodiscard]] double reach() const override {
-    return std::min(phi_(atlas_.outside), -phi_(atlas_.inside)) * atlas_.lattice.voxel;
+  [[nodiscard]] double reach_inside() const override {
+    return phi_.reach_inside() * atlas_.lattice.voxel;
+  }
+  [[nodiscard]] double reach_outside() const override {
+    return phi_(atlas_.outside) * atlas_.lattice.voxel;
   }
   [[nodiscard]] int tag(const glm::dvec3& p) const override {
     if (!painted_) return -1;

@@ -1,0 +1,158 @@
+// Files as leaves of scenes: what stands around them is where it says, as around a shape.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <random>
+#include <string>
+#include <utility>
+
+#include "app/process.h"
+#include "sdfgrid/core/error.h"
+#include "sdfgrid/grid/convert.h"
+#include "sdfgrid/mesh/read.h"
+#include "sdfgrid/scene/build.h"
+#include "sdfgrid/scene/scene.h"
+#include "sdfgrid/trace/grid_sampler.h"
+
+namespace sdfgrid {
+namespace {
+
+// A cube from a file, with what is made of it.
+class SceneOfCube : public testing::Test {
+ protected:
+  Field field(const std::string& scene) {
+    const std::string path = folder_.write("s.yaml", "sdfgrid: 1\nscene: " + scene + "\n");
+    return build_scene(read_scene(path).scene, path, 0, Job()).field;
+  }
+  std::string refusal(const std::string& scene) {
+    try {
+      (void)field(scene);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      return error.what();
+    }
+    return "";
+  }
+
+  test::Folder folder_;
+  std::string cube_ = folder_.write("cube.off", test::cube_off());
+  std::string mesh_ = "{mesh: {file: cube.off, dim: 48}}";
+};
+
+TEST_F(SceneOfCube, OffsetsAndShellsAreWhereTheySay) {
+  for (const double by : {-0.4, -0.05, 0.05, 0.6}) {
+    const Field grown = field(fmt::format("{{offset: {{by: {}, of: {}}}}}", by, mesh_));
+    const auto face = static_cast<float>(1 + by);
+    EXPECT_NEAR(grown({face, 0.5F, 0.5F}), 0, 1e-5) << by;
+    EXPECT_GT(grown({face + 0.01F, 0.5F, 0.5F}), 0.004) << by;
+    EXPECT_LT(grown({face - 0.01F, 0.5F, 0.5F}), -0.004) << by;
+  }
+  // Not the box around it: rounded at an edge.
+  const Field grown = field("{offset: {by: 0.5, of: " + mesh_ + "}}");
+  EXPECT_GT(grown({1.45F, 1.45F, 0.5F}), 0);
+  EXPECT_NEAR(grown({1.35355F, 1.35355F, 0.5F}), 0, 0.01);
+  const Field shell =
+      field("{shell: {thickness: 0.2, of: {mesh: {file: cube.off, dim: 48}, scale: 2}}}");
+  for (const float wall : {1.9F, 2.1F}) EXPECT_NEAR(shell({wall, 1, 1}), 0, 1e-5);
+  EXPECT_LT(shell({2, 1, 1}), -0.02);
+  EXPECT_GT(shell({1.8F, 1, 1}), 0.01);
+}
+
+// What is made of the mesh and of a box in its place, at points around: the same but for samples.
+// (Not so where an op blends by values inside, as smooth intersections do: those of files are
+// bounds, up to 1.7 times too small.)
+TEST_F(SceneOfCube, StandsUnderOpsThatLookBeyondIt) {
+  const std::string box = "{box: {size: [1, 1, 1]}, at: [0.5, 0.5, 0.5]}";
+  const std::string ball = "{sphere: {radius: 0.5}, at: [2.2, 0.5, 0.5]}";
+  std::string many = "{smooth_union: {k: 0.4, of: [";
+  for (int i = 0; i < 17; ++i) {
+    many += fmt::format("{{sphere: {{radius: 0.2}}, at: [{}, 1.4, 0.5]}}, ", 0.1 * i - 0.3);
+  }
+  const std::pair<std::string, std::string> around[] = {
+      {"{smooth_union: {k: 1.6, of: [", ", " + ball + "]}}"},
+      {many, "]}}"},
+      {"{smooth_difference: {k: 0.8, of: [{box: {size: [3, 3, 3]}}, ", "]}}"},
+      {"{offset: {by: 0.3, of: {difference: [{box: {size: [3, 3, 3]}}, {offset: {by: -0.1, of: ",
+       "}}]}}}"},
+      {"{repeat: {cell: [4, 4, 0], of: ", "}}"}};
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> at(-1, 2);
+  for (const auto& [before, after] : around) {
+    SCOPED_TRACE(before);
+    const Field of_mesh = field(before + mesh_ + after);
+    const Field of_box = field(before + box + after);
+    int beside = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const glm::vec3 p(at(random), at(random), at(random));
+      const float d = of_box(p);
+      if (std::fabs(d) < 0.03F) {
+        ++beside;
+        ASSERT_NEAR(of_mesh(p), d, 0.03) << p.x << " " << p.y << " " << p.z;
+      } else {
+        ASSERT_EQ(of_mesh(p) < 0, d < 0) << p.x << " " << p.y << " " << p.z << ": " << d;
+      }
+    }
+    EXPECT_GT(beside, 20);
+  }
+  const Field smooth = field("{smooth_union: {k: 1.6, of: [" + mesh_ + ", " + ball + "]}}");
+  const Box bounds = smooth.bounds();  // not those of the band, which is 1.6 wide
+  EXPECT_TRUE(bounds.lo.x > -0.5 && bounds.hi.x < 3.2) << bounds.lo.x << " " << bounds.hi.x;
+}
+
+// Of grids with samples everywhere, and of bands of two widths: 1-Lipschitz, and no point below a
+// level is outside of its bounds.
+TEST_F(SceneOfCube, GridsOfAllKindsAreBounds) {
+  ConvertOptions narrow;
+  narrow.dim = 24;
+  ConvertOptions wide = narrow;
+  wide.band = {2, 9};
+  ConvertOptions dense = narrow;
+  dense.band = {40, 40};
+  const TriangleSoup soup = read_mesh(cube_, Job()).soup;
+  std::mt19937 random(10);
+  std::uniform_real_distribution<double> at(-0.6, 1.6);
+  std::uniform_real_distribution<double> near(-0.05, 0.05);
+  const auto point = [&] { return glm::dvec3(at(random), at(random), at(random)); };
+  for (const ConvertOptions& options : {narrow, wide, dense}) {
+    const auto sampler = make_sampler(convert_mesh(soup, options, Job()).grid, Job());
+    for (int i = 0; i < 30000; ++i) {
+      const glm::dvec3 p = point();
+      const glm::dvec3 q = i % 2 == 0 ? point() : p + glm::dvec3(near(random), near(random), 0);
+      ASSERT_LE(std::fabs(sampler->value(p) - sampler->value(q)), glm::length(p - q) + 1e-6);
+      for (const double level : {0.0, 0.04, 0.08, 0.11, 0.2}) {
+        if (sampler->value(p) >= level) continue;
+        const Box box = sampler->bounds(level);
+        ASSERT_EQ(glm::clamp(p, box.lo, box.hi), p) << level;
+      }
+    }
+  }
+}
+
+TEST_F(SceneOfCube, GridsWithTooNarrowABandAreRefused) {
+  ConvertOptions options;
+  options.dim = 48;
+  write_grid(convert_mesh(read_mesh(cube_, Job()).soup, options, Job()).grid,
+             folder_.path("cube.vdb"));
+  EXPECT_EQ(refusal("{offset: {by: 0.03, of: {grid: {file: cube.vdb}}}}"), "");
+  const std::string message = refusal("{offset: {by: 0.5, of: {grid: {file: cube.vdb}}}}");
+  EXPECT_NE(message.find("cube.vdb"), std::string::npos) << message;
+  EXPECT_NE(message.find("--width"), std::string::npos) << message;
+}
+
+TEST_F(SceneOfCube, NormalsHoldFarFromTheOrigin) {
+  const std::string far = "at: [20000, -30000, 0]";
+  const Field there = field("{mesh: {file: cube.off, dim: 48}, " + far + "}");
+  const ValueGradient top = there.gradient({20000.4, -29999.3, 1.02});
+  EXPECT_NEAR(top.value, 0.02, 0.01);
+  EXPECT_LT(std::fabs(top.gradient.x) + std::fabs(top.gradient.y), 1e-3);
+  EXPECT_GT(top.gradient.z, 0.5);
+  const Field cloud = field("{points: {points: [[0, 0, 0], [9, 0, 0]], radius: 0.1}, " + far + "}");
+  const ValueGradient side = cloud.gradient({20009, -30000, 0.125});
+  EXPECT_NEAR(side.gradient.z, 1, 1e-3);
+}
+
+}  // namespace
+}  // namespace sdfgrid
