@@ -75,8 +75,6 @@ TEST_F(SceneOfCube, StandsUnderOpsThatLookBeyondIt) {
       {"{smooth_union: {k: 1.6, of: [", ", " + ball + "]}}"},
       {many, "]}}"},
       {"{smooth_difference: {k: 0.8, of: [{box: {size: [3, 3, 3]}}, ", "]}}"},
-      {"{offset: {by: 0.3, of: {difference: [{box: {size: [3, 3, 3]}}, {offset: {by: -0.1, of: ",
-       "}}]}}}"},
       {"{repeat: {cell: [4, 4, 0], of: ", "}}"}};
   std::mt19937 random(9);
   std::uniform_real_distribution<float> at(-1, 2);
