@@ -194,6 +194,7 @@ OpEntry find(const std::string& name) {
                                   [&](const OpEntry& word) { return word.info->name == name; });
   if (found != all.end()) return *found;
   std::vector<std::string> names;
+  names.reserve(all.size());
   for (const OpEntry& op : all) names.emplace_back(op.info->name);
   const std::string near = nearest_word(name, names);
   throw Error(ErrorKind::usage,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdlib>
-#include <cstring>
 #include <new>
 
 #include "sdfgrid/core/memory.h"
@@ -12,6 +11,11 @@ namespace sdfgrid {
 namespace {
 
 constexpr std::size_t kSlabBytes = std::size_t{1} << 21;  // a large page
+
+// What stands in a chunk that was given back.
+struct FreeChunk {
+  FreeChunk* next;
+};
 
 }  // namespace
 
@@ -23,7 +27,7 @@ struct UndoPool::Slab {
   UndoPool* pool;
   std::size_t begun = 0;      // chunks before this one were handed out once
   std::size_t used = 0;       // so many are now
-  UndoChunk* free = nullptr;  // given back; each says in its first bytes which is next
+  FreeChunk* free = nullptr;  // given back
 
   [[nodiscard]] bool has_room() const { return used < kMost; }
   UndoChunk* chunk(std::size_t i) {
@@ -50,9 +54,10 @@ UndoPool::Chunk UndoPool::take() {
     ++slabs_;
   }
   Slab& slab = *with_room_.back();
-  UndoChunk* chunk = slab.free;
-  if (chunk != nullptr) {
-    std::memcpy(&slab.free, chunk, sizeof slab.free);
+  UndoChunk* chunk = nullptr;
+  if (slab.free != nullptr) {
+    chunk = reinterpret_cast<UndoChunk*>(slab.free);
+    slab.free = slab.free->next;
   } else {
     chunk = slab.chunk(slab.begun++);
   }
@@ -64,8 +69,7 @@ UndoPool::Chunk UndoPool::take() {
 // A slab without chunks goes back to the system unless it is the last one with room.
 void UndoPool::give(Slab* slab, UndoChunk* chunk) {
   if (!slab->has_room()) with_room_.push_back(slab);
-  std::memcpy(chunk, &slab->free, sizeof slab->free);
-  slab->free = chunk;
+  slab->free = new (chunk) FreeChunk{slab->free};
   --slab->used;
   if (slab->used > 0 || with_room_.size() == 1) return;
   with_room_.erase(std::find(with_room_.begin(), with_room_.end(), slab));
