@@ -25,15 +25,16 @@ bool shorten_row(std::uint8_t* row, int step, int limit, int least) {
   constexpr int kRow = Atlas::kMostJump + 1;
   using Bytes [[gnu::vector_size(kRow)]] = std::uint8_t;
   static_assert(kRow == 16, "a row is one vector");
-  const int shift = step > 0 ? 4 : 0;
+  const std::uint8_t shift = step > 0 ? 4 : 0;
+  const std::uint8_t own_bits = step > 0 ? 0xf0 : 0x0f;
   if (limit == Atlas::kMostJump) {
     constexpr Bytes kUp = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
     constexpr Bytes kDown = {15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0};
     std::uint8_t* first = step > 0 ? row : row - Atlas::kMostJump;
     const Bytes place = step > 0 ? kUp : kDown;
     const Bytes floor = Bytes{} + static_cast<std::uint8_t>(least);
-    const Bytes most = (place > floor ? place : floor) << shift;
-    const Bytes own = Bytes{} + static_cast<std::uint8_t>(Atlas::kMostJump << shift);
+    const Bytes most = (place > floor ? place : floor) << (Bytes{} + shift);
+    const Bytes own = Bytes{} + own_bits;
     Bytes both;
     std::memcpy(&both, first, sizeof both);
     const auto longer = (Bytes)((both & own) > most);
@@ -51,7 +52,7 @@ bool shorten_row(std::uint8_t* row, int step, int limit, int least) {
     const int most = std::max(least, z);
     if (jump <= most) continue;
     any = true;
-    both = static_cast<std::uint8_t>((both & ~(Atlas::kMostJump << shift)) | most << shift);
+    both = static_cast<std::uint8_t>((both & ~own_bits) | most << shift);
   }
   return any;
 }
