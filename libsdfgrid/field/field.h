@@ -124,7 +124,7 @@ class Field {
   // A box that holds every point where the value is below `level`; axes without end are infinite,
   // the box is empty if there is no such point.
   [[nodiscard]] Box bounds(double level = 0) const;
-  // Each sampler once, with all values that are looked at. Morphs take what there is.
+  // Each sampler once, with all values that are looked at.
   [[nodiscard]] std::vector<SamplerUse> sampler_uses() const;
 
   // A bound on the gradient over the box, at most 1 and often less: inside it a step may be longer

@@ -1,6 +1,7 @@
 // How far from their surfaces a field looks at the values of its samplers.
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <string_view>
 
 #include "sdfgrid/field/field.h"
@@ -30,7 +31,7 @@ struct Asked {
   Levels last;  // of an op of one node: its
 };
 
-Asked asked_by(const Program& program, const Instruction& at, const Levels& levels) {
+Asked asked_by(const Program& program, const Instruction& at, const Levels& levels, double size) {
   const std::string_view op = registry()[at.op].entry.info->name;
   const auto both = [](const Levels& of) { return Asked{of, of}; };
   if (op == "complement") return both(levels.negated());
@@ -39,6 +40,7 @@ Asked asked_by(const Program& program, const Instruction& at, const Levels& leve
     const Levels wider = levels.wider(first_number(program, at));
     return {wider, op == "smooth_difference" ? wider.negated() : wider};
   }
+  if (op == "morph" || op == "spatial_morph") return both(levels.wider(size));
   if (op == "shell") {
     const double most = levels.hi + 0.5 * first_number(program, at);
     return both({-most, most});
@@ -58,8 +60,10 @@ Asked asked_by(const Program& program, const Instruction& at, const Levels& leve
 
 class Uses {
  public:
-  explicit Uses(const Program& program)
+  // `size`: how far from each other surfaces may lie.
+  Uses(const Program& program, double size)
       : program_(program),
+        size_(size),
         own_starts_(program.starts.empty() ? subtree_starts(program.code)
                                            : std::vector<std::int32_t>()),
         starts_(program.starts.empty() ? own_starts_ : program.starts) {}
@@ -72,7 +76,8 @@ class Uses {
     if (at.step == Step::sample) return add_use(&sampler_of(program_, at), levels);
     if (at.step == Step::leaf) return;
     constexpr int kMostJoins = 2;
-    const Asked asked = joins < kMostJoins ? asked_by(program_, at, levels) : Asked{levels, levels};
+    const Asked asked =
+        joins < kMostJoins ? asked_by(program_, at, levels, size_) : Asked{levels, levels};
     const auto joins_below = [&](int node) {
       return program_.code[node].op == at.op ? joins + 1 : 0;
     };
@@ -94,6 +99,7 @@ class Uses {
   }
 
   const Program& program_;
+  double size_;
   const std::vector<std::int32_t> own_starts_;
   const std::vector<std::int32_t>& starts_;
 };
@@ -101,7 +107,8 @@ class Uses {
 }  // namespace
 
 std::vector<SamplerUse> Field::sampler_uses() const {
-  Uses uses(*program_);
+  const double diagonal = glm::length(bounds().size());
+  Uses uses(*program_, std::isfinite(diagonal) ? 0.5 * diagonal : 0);
   uses.add(static_cast<int>(program_->code.size()) - 1, {});
   return uses.found;
 }
