@@ -66,7 +66,7 @@ class SceneBuilder {
             fmt::format("an offset, shell, blend or displacement looks {:.4g} inwards and {:.4g} "
                         "outwards of the surface of {}, whose distances end at {:.4g} and {:.4g}",
                         std::fabs(use.lo), use.hi, sampled.path, inside, outside),
-            fmt::format("convert it with a band {:.1f} times as wide (--width)",
+            fmt::format("convert its mesh again, with a band {:.1f} times as wide (--width)",
                         std::ceil(10.5 * times) / 10));
       }
       sampled.width = std::ceil(1.05 * sampled.width * times) + 1;
