@@ -30,6 +30,8 @@ void apply(const BatchStep& step) {
   const BatchStep s = step;
   const float offset[3] = {s.offset[0], s.offset[1], s.offset[2]};
   const Op op = op_of<Op>(s);
+  // By four: of a loop with more turns than it remembers the machine guesses the end wrongly.
+#pragma GCC unroll 4
   for (int i = 0; i < s.n; i += kLanes) {
     const LanePoint p = load_point(s, i);
     if constexpr (ops::Leaf<Op>) {

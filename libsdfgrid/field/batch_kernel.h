@@ -16,10 +16,10 @@ struct BatchProgram {
 };
 
 struct FieldKernel {
-  // One block of n points, n a multiple of 16 and at most kBatch; scratch holds
-  // kBatch * (values + 3 * points) floats for the depths of the program's stacks, 64-byte aligned.
+  // One block of n points, n a multiple of 16 and at most kBatch; scratch holds scratch_rows() of
+  // the program's stacks, 64-byte aligned. p and out may be its own first rows.
   void (*run)(const BatchProgram& program, int n, const float* const p[3], float* out,
-              float* scratch, int values);
+              float* scratch);
 };
 
 const FieldKernel& field_kernel();

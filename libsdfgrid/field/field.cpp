@@ -27,11 +27,9 @@ void sample(const Sampler* sampler, int n, const float* const p[3], float* out) 
   sampler->evaluate(n, p[0], p[1], p[2], out);
 }
 
-// One block of less than whole lanes: filled up with its last point.
-struct PartBlock {
-  alignas(64) float p[3][kBatch];
-  alignas(64) float out[kBatch];
-};
+// Instructions from which on a copy of the points into rows of our own is worth it: those of the
+// caller lie across lines of the cache and anywhere.
+constexpr std::size_t kWorthCopying = 16;
 
 }  // namespace
 
@@ -47,24 +45,35 @@ void run_program(const FieldKernel& kernel, const Program& p, std::size_t n, con
   const BatchProgram program = {p.code.data(), static_cast<int>(p.code.size()),
                                 p.pool->constants.data(), samplers.data(), sample};
   const auto run = kernel.run;
-  float* memory = scratch(static_cast<std::size_t>(kBatch) * (p.values + 3 * p.points));
+  float* const rows = scratch(scratch_rows(p.values, p.points) * kRow);
+  float* const own[3] = {point_row(rows, 0, 0), point_row(rows, 0, 1), point_row(rows, 0, 2)};
+  float* const own_out = value_row(rows, 0);
+  const float* const from[3] = {x, y, z};
+  const bool in_place = p.code.size() < kWorthCopying;
   std::size_t done = 0;
-  for (; done + kLanes <= n;) {
+  while (done + kLanes <= n) {
     const std::size_t take = std::min<std::size_t>(kBatch, (n - done) / kLanes * kLanes);
-    const float* const at[3] = {x + done, y + done, z + done};
-    run(program, static_cast<int>(take), at, out + done, memory, p.values);
+    if (in_place) {
+      const float* const at[3] = {x + done, y + done, z + done};
+      run(program, static_cast<int>(take), at, out + done, rows);
+    } else {
+      for (int a = 0; a < 3; ++a) std::copy_n(from[a] + done, take, own[a]);
+      const std::size_t next = std::min(n - done - take, take);
+      for (std::size_t i = 0; i < next; i += kLanes) {
+        for (const float* c : from) __builtin_prefetch(c + done + take + i);
+        __builtin_prefetch(out + done + take + i, 1);
+      }
+      run(program, static_cast<int>(take), own, own_out, rows);
+      std::copy_n(own_out, take, out + done);
+    }
     done += take;
   }
   if (done == n) return;
-  PartBlock part;
-  const float* const from[3] = {x, y, z};
-  const float* at[3];
   for (int a = 0; a < 3; ++a) {
-    for (int i = 0; i < kLanes; ++i) part.p[a][i] = from[a][std::min(done + i, n - 1)];
-    at[a] = part.p[a];
+    for (int i = 0; i < kLanes; ++i) own[a][i] = from[a][std::min(done + i, n - 1)];
   }
-  run(program, kLanes, at, part.out, memory, p.values);
-  std::copy_n(part.out, n - done, out + done);
+  run(program, kLanes, own, own_out, rows);
+  std::copy_n(own_out, n - done, out + done);
 }
 
 // A field of many nodes at many points: points that are near each other together, each group with

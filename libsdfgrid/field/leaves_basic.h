@@ -90,7 +90,7 @@ struct Torus {
 
   template <class T>
   T distance(const Point<T>& p) const {
-    return length(length(p.x, p.y) - major, p.z) - minor;
+    return length(inner_length(p.x, p.y) - major, p.z) - minor;
   }
 };
 
@@ -108,7 +108,7 @@ struct Cylinder {
 
   template <class T>
   T distance(const Point<T>& p) const {
-    return rectangle_distance(length(p.x, p.y) - radius, abs(p.z) - 0.5F * height);
+    return rectangle_distance(inner_length(p.x, p.y) - radius, abs(p.z) - 0.5F * height);
   }
 };
 
@@ -146,7 +146,7 @@ struct Cone {
 
   template <class T>
   T distance(const Point<T>& p) const {
-    const T r = length(p.x, p.y);
+    const T r = inner_length(p.x, p.y);
     const T z = p.z - 0.5F * height;  // below the apex
     const float along = 1 / (radius * radius + height * height);
     const T t = clamp((r * radius - z * height) * along, 0.0F, 1.0F);
@@ -184,7 +184,7 @@ struct InfiniteCone {
   }
   template <class T>
   T distance(const Point<T>& p) const {
-    const T r = length(p.x, p.y);
+    const T r = inner_length(p.x, p.y);
     return select(r * s - p.z * c > T(0.0F), r * c + p.z * s, length(r, p.z));  // side or apex
   }
 };

@@ -42,6 +42,12 @@ template <class T>
 inline T length(const T& x, const T& y) {
   return sqrt(square(x) + square(y));
 }
+// A length that goes into another one: lanes take its root in another way (lanes.h, which has its
+// own of the next two and of box_distance() too).
+template <class T>
+inline T inner_length(const T& x, const T& y) {
+  return length(x, y);
+}
 template <class T>
 inline T length(const T& x, const T& y, const T& z) {
   return sqrt(square(x) + square(y) + square(z));

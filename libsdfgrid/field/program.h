@@ -27,9 +27,25 @@ struct Instruction {
 };
 
 inline constexpr int kFamilySize = 64;
-inline constexpr int kBatch = 256;      // points a block of the batch reading
+inline constexpr int kBatch = 512;      // points a block of the batch reading
 inline constexpr int kMaxValues = 128;  // depth of the stack of values
 inline constexpr int kMaxPoints = 64;   // of the stack of points
+
+// The stacks of the batch reading lie in rows of 4096 bytes, coordinates in the first halves,
+// values in the second: a load that agrees with a store before it in the lower twelve bits of its
+// address has to wait for that store, so leaves would wait for the values of the op before them.
+inline constexpr int kRow = 2 * kBatch;
+inline float* point_row(float* rows, int depth, int axis) {
+  return rows + static_cast<long>(depth * 3 + axis) * kRow;
+}
+inline float* value_row(float* rows, int depth) {
+  return rows + static_cast<long>(depth) * kRow + kBatch;
+}
+// For the depths of a program's stacks, the outermost point among them.
+inline unsigned long scratch_rows(int values, int points) {
+  const int coordinates = 3 * (points + 1);
+  return static_cast<unsigned long>(values > coordinates ? values : coordinates);
+}
 
 // One op over one block of points; all arrays hold `n` floats, a multiple of the lanes.
 struct BatchStep {

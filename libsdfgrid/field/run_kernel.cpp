@@ -14,23 +14,18 @@ void set_point(const float* p[3], const float* const from[3]) {
   for (int a = 0; a < 3; ++a) p[a] = from[a];
 }
 
-// The two stacks over one block; the lowest value is the result itself.
+// The two stacks over one block, in the rows of the scratch memory (program.h); the lowest value is
+// the result itself, the outermost point is where it lies.
 struct Stacks {
   float* out;
-  float* values;  // above the lowest
-  float* points;  // above the outermost
+  float* rows;
 
-  float* value(int depth) const {
-    return depth == 0 ? out : values + static_cast<long>(depth - 1) * kBatch;
-  }
-  float* coordinate(int depth, int axis) const {
-    return points + (static_cast<long>(depth - 1) * 3 + axis) * kBatch;
-  }
+  float* value(int depth) const { return depth == 0 ? out : value_row(rows, depth); }
+  float* coordinate(int depth, int axis) const { return point_row(rows, depth, axis); }
 };
 
-void run(const BatchProgram& program, int n, const float* const p[3], float* out, float* scratch,
-         int values) {
-  const Stacks stacks = {out, scratch, scratch + static_cast<long>(values) * kBatch};
+void run(const BatchProgram& program, int n, const float* const p[3], float* out, float* scratch) {
+  const Stacks stacks = {out, scratch};
   const float* points[kMaxPoints + 1][3];
   set_point(points[0], p);
   BatchStep step{};

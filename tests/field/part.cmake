@@ -1,3 +1,11 @@
+# Roots as kernels compute them.
+add_library(field_roots INTERFACE)
+sdfgrid_kernel(field_roots ${CMAKE_CURRENT_LIST_DIR}/roots_kernel.cpp)
+foreach(isa IN LISTS SDFGRID_ISAS)
+  target_include_directories(field_roots_roots_kernel_${isa} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_compile_options(field_roots_roots_kernel_${isa} PRIVATE -ffp-contract=off)
+endforeach()
+
 # Analytic fields: every op of the list against brute force and the other readings.
 sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/exact_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/examples.cpp
@@ -8,9 +16,10 @@ sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/exact_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/graph_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/ops_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/pairs.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/roots_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/slope_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/union_tree_test.cpp
-             PACKAGES fmt::fmt)
+             PACKAGES fmt::fmt field_roots)
 foreach(isa baseline avx2)
   add_test(NAME FieldOps.${isa} COMMAND field_test --gtest_filter=*Ops.*)
   set_tests_properties(FieldOps.${isa} PROPERTIES ENVIRONMENT SDFGRID_ISA=${isa} LABELS fast)
