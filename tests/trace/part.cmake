@@ -2,6 +2,7 @@
 sdfgrid_test(trace_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/atlas_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/atlas_kernel_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/cubic_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/grid_sampler_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/lattice_field.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/long_rays_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/rough_grids.cpp
