@@ -1,14 +1,17 @@
 #include "sdfgrid/trace/grid_sampler.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <optional>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/grid/paint.h"
+#include "sdfgrid/trace/band_distance.h"
 #include "sdfgrid/trace/flattening.h"
 #include "sdfgrid/trace/trace.h"
+#include "sdfgrid/trace/walk.h"
 
 namespace sdfgrid {
 namespace {
@@ -24,11 +27,21 @@ double distance_to(const Box& box, const glm::dvec3& p) {
   return glm::length(p - glm::clamp(p, box.lo, box.hi));
 }
 
+// A lower bound on the distance to the surface that knows more than the band does. Where the band
+// ends, phi of the trilinear field is at least `outside` of it; a way from beyond the band to the
+// surface first leads to the band, and from there is at least that long. So beyond the band it is
+// that and the distance to the band, and inside likewise. Beyond the tables it is the length of the
+// way to them and of that from there on, at right angles: see ops::Region.
 class GridSampler : public Sampler {
  public:
   GridSampler(Atlas atlas, const Grid& grid, std::map<int, int> paint_tags, const Job& job)
       : atlas_(std::move(atlas)),
         phi_(atlas_, job),
+        band_(atlas_, job),
+        outside_(phi_(atlas_.outside)),
+        inside_(phi_(atlas_.inside)),
+        first_(atlas_.lo * Atlas::kBrick),
+        end_(atlas_.dims * Atlas::kBrick),
         box_(grid.bounds()),
         paint_tags_(std::move(paint_tags)) {
     // Caps on holes may lie beyond all active voxels, and so does where the outermost of them end.
@@ -48,9 +61,18 @@ class GridSampler : public Sampler {
     return {glm::max(near.lo, far.lo), glm::min(near.hi, far.hi)};
   }
   [[nodiscard]] double value(const glm::dvec3& p) const override {
+    const glm::dvec3 place = atlas_.lattice.to_index(p) - first_;
+    glm::dvec3 nearest;
+    for (int a = 0; a < 3; ++a) nearest[a] = std::fmin(std::fmax(place[a], 0.0), end_[a]);
+    double voxels = in_tables(nearest);
+    if (nearest != place) {
+      const double there = std::max(voxels, 0.0);
+      const glm::dvec3 away = place - nearest;
+      voxels = std::sqrt(glm::dot(away, away) + there * there);
+    }
+    const double value = voxels * atlas_.lattice.voxel;
     const double to_box = distance_to(box_, p);
-    const double flat = phi_(sampled_voxels(atlas_, p, to_box)) * atlas_.lattice.voxel;
-    return to_box > 0 ? std::max(flat, to_box) : flat;
+    return to_box > 0 ? std::max(value, to_box) : value;
   }
   [[nodiscard]] double step() const override { return 0.1 * atlas_.lattice.voxel; }
   [[nodiscard]] double value_at(double distance) const override {
@@ -59,9 +81,7 @@ class GridSampler : public Sampler {
   [[nodiscard]] double reach_inside() const override {
     return phi_.reach_inside() * atlas_.lattice.voxel;
   }
-  [[nodiscard]] double reach_outside() const override {
-    return phi_(atlas_.outside) * atlas_.lattice.voxel;
-  }
+  [[nodiscard]] double reach_outside() const override { return outside_ * atlas_.lattice.voxel; }
   [[nodiscard]] int tag(const glm::dvec3& p) const override {
     if (!painted_) return -1;
     const auto known = paint_tags_.find(PaintReader(*painted_).at(p));
@@ -69,15 +89,45 @@ class GridSampler : public Sampler {
   }
 
  private:
+  // At a place in cells from the tables' first, voxels.
+  [[nodiscard]] double in_tables(const glm::dvec3& place) const {
+    constexpr int kBrick = Atlas::kBrick;
+    const glm::ivec3 slot = glm::min(glm::ivec3(place) / kBrick, atlas_.dims - 1);
+    const std::size_t i = atlas_.place(slot);
+    const glm::dvec3 at = place - glm::dvec3(slot * kBrick);
+    const std::int32_t brick = atlas_.bricks[i];
+    if (band_.in_band(i)) {
+      return phi_(brick >= 0 ? in_brick(brick, at) : sdfgrid::value_at(atlas_, place));
+    }
+    const double far = band_(i, at);
+    if (brick < 0) return brick == Atlas::kInside ? inside_ - far : outside_ + far;
+    const double flat = phi_(in_brick(brick, at));
+    return flat < 0 ? std::min(flat, inside_ - far) : std::max(flat, outside_ + far);
+  }
+
+  [[nodiscard]] double in_brick(std::int32_t brick, const glm::dvec3& at) const {
+    constexpr int kEdge = Atlas::kEdge;
+    const glm::ivec3 cell = glm::min(glm::ivec3(at), Atlas::kBrick - 1);
+    const glm::dvec3 part = at - glm::dvec3(cell);
+    const float* const v = atlas_.samples.data() + std::size_t(brick) * Atlas::kSamples +
+                           (cell.x * kEdge + cell.y) * kEdge + cell.z;
+    const auto along = [](double a, double b, double t) { return a + t * (b - a); };
+    const auto along_z = [&](int i) { return along(v[i], v[i + 1], part.z); };
+    const auto along_y = [&](int i) { return along(along_z(i), along_z(i + kEdge), part.y); };
+    return along(along_y(0), along_y(kEdge * kEdge), part.x);
+  }
+
   // Of a box in cells of the atlas.
   [[nodiscard]] Box world_box(const Box& cells) const {
     if (cells.empty()) return cells;
-    const glm::dvec3 base(atlas_.lo * Atlas::kBrick);
-    return {atlas_.lattice.to_world(base + cells.lo), atlas_.lattice.to_world(base + cells.hi)};
+    return {atlas_.lattice.to_world(first_ + cells.lo), atlas_.lattice.to_world(first_ + cells.hi)};
   }
 
   Atlas atlas_;
   Flattening phi_;
+  BandDistance band_;
+  double outside_, inside_;  // where the atlas has no samples, voxels
+  glm::dvec3 first_, end_;   // index of the tables' first cell, and how many they have
   Box box_;
   std::map<int, int> paint_tags_;
   std::optional<Grid> painted_;

@@ -5,10 +5,13 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
 #include <random>
 
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/grid/convert_field.h"
 #include "sdfgrid/grid/vdb.h"
+#include "sdfgrid/trace/field_trace.h"
 #include "sdfgrid/trace/trace.h"
 #include "trace/rough_grids.h"
 
@@ -89,6 +92,83 @@ TEST(GridSampler, IsTheSameAtAnyNumberOfThreads) {
           << name;
     }
   }
+}
+
+// Two balls far apart, in voxels, and what is between them.
+constexpr double kRadius = 1.5;
+constexpr double kAway = 4;
+Grid two_balls() {
+  const Field ball = make_field("sphere", {{"radius", kRadius}});
+  FieldConvertOptions options;
+  options.dim = 256;
+  return convert_field(make_field("union", {},
+                                  {make_field("translate", {{"by", {-kAway, 0, 0}}}, {ball}),
+                                   make_field("translate", {{"by", {kAway, 0, 0}}}, {ball})}),
+                       options, Job())
+      .grid;
+}
+double to_balls(const glm::dvec3& p) {
+  return glm::length(glm::dvec3(std::fabs(p.x) - kAway, p.y, p.z)) - kRadius;
+}
+
+TEST(GridSampler, KnowsHowFarItIsBeyondTheBand) {
+  const Grid grid = two_balls();
+  const auto sampler = make_sampler(grid, Job());
+  const double voxel = grid.lattice().voxel;
+  // The largest coordinate of a vector is no less than this share of it, and the slot where the
+  // band ends counts as a part of it.
+  const double share = 1 / std::sqrt(3.0);
+  Points point(grid, 2.5);
+  for (int i = 0; i < 100000; ++i) {
+    const glm::dvec3 p = point();
+    const double d = to_balls(p);
+    const double value = sampler->value(p);
+    ASSERT_LE(std::fabs(value), std::fabs(d) + 0.05 * voxel) << p.x << " " << p.y << " " << p.z;
+    ASSERT_GE(std::fabs(value), share * (std::fabs(d) - (8 * std::sqrt(3.0) + 3) * voxel));
+  }
+  EXPECT_GT(sampler->value({0, 0, 0}), kAway - kRadius - 12 * voxel);
+}
+
+// Rays that the grid's own tracer finds to hit are hit by sphere tracing, within its tolerance, and
+// on the way there are few evaluations.
+TEST(GridSampler, RaysGoFarInFewStepsAndHitWhatIsThere) {
+  constexpr double kTolerance = 1e-5;
+  for (const auto& [name, grid] : test::rough_grids()) {
+    const Atlas atlas = make_atlas(grid, Job());
+    const Field field = make_field(make_sampler(grid, Job()));
+    const FieldTracer tracer(field, field.bounds());
+    Points point(grid, 1);
+    Points outside(grid, 8);
+    std::vector<Ray> rays(3000);
+    for (Ray& ray : rays) {
+      do ray.origin = outside();
+      while (distance_at(atlas, ray.origin) < atlas.lattice.voxel);
+      ray.direction = glm::normalize(point() - ray.origin);
+    }
+    std::vector<float> depth(rays.size());
+    tracer.trace(rays, kTolerance, depth, {});
+    int hits = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const auto hit = trace_ray(atlas, rays[i]);
+      if (!hit) continue;
+      ++hits;
+      ASSERT_LE(depth[i], *hit * (1 + 3e-5)) << name << " " << i;
+    }
+    EXPECT_GT(hits, 100) << name;
+  }
+  const Field balls = make_field(make_sampler(two_balls(), Job()));
+  const Box box = balls.bounds();
+  const FieldTracer tracer(balls, box);
+  std::vector<Ray> rays;
+  for (int i = 0; i < 1000; ++i) {  // between the balls, across and along
+    const double u = 0.002 * i - 1;
+    rays.push_back({{u, -0.3 * u, -10}, {0, 0, 1}});
+    rays.push_back({{u, 0.7, -10}, glm::normalize(glm::dvec3(0.3, 0, 1))});
+  }
+  std::vector<float> depth(rays.size());
+  std::vector<std::uint16_t> steps(rays.size());
+  tracer.trace(rays, kTolerance, depth, steps);
+  EXPECT_LT(std::accumulate(steps.begin(), steps.end(), 0), 8 * std::ssize(rays));
 }
 
 }  // namespace
