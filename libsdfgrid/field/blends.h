@@ -34,6 +34,9 @@ struct ExponentialUnion {
     return (b - a).lo >= 20 * k ? Keep::first : ((a - b).lo >= 20 * k ? Keep::second : Keep::both);
   }
   bool surface_of_first(double a, double b) const { return a <= b; }
+  // Farther apart than four times as much as it lowers the surface by at most, a sixteenth of that
+  // is left.
+  Levels looks_at(const Levels& own) const { return own.wider(4 * 0.6931472 * k); }
   double child_level(double level) const { return level + 0.6931472 * k; }
   Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
 };
@@ -67,6 +70,9 @@ struct PNormUnion {
   bool surface_of_first(double a, double b) const { return a <= b; }
   double child_level(double level) const {
     return level > 0 ? level * std::pow(2.0, 1.0 / static_cast<double>(p)) : level;
+  }
+  Levels looks_at(const Levels& own) const {
+    return own.wider(std::fmax(4 * (child_level(own.hi) - own.hi), 0));
   }
   Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
 };
@@ -122,6 +128,11 @@ struct Blend {
     return a * static_cast<double>(radii[1]) <= b * static_cast<double>(radii[0]);
   }
   double child_level(double level) const { return level + std::fmax(near[0], near[1]); }
+  // A node matters up to its radius, and as far inside as g is where N alone makes the value.
+  Levels looks_at(const Levels& own) const {
+    const double most = std::fmax(radii[0], radii[1]);
+    return {std::fmin(own.lo * most / scale, own.lo), std::fmax(most, child_level(own.hi))};
+  }
   Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
 };
 
@@ -143,6 +154,7 @@ struct Morph {
     return a * (1 - weight) + b * weight;
   }
   Keep keep(const Interval&, const Interval&) const { return Keep::both; }
+  Levels looks_at(const Levels& own, double apart) const { return own.wider(apart); }
   bool surface_of_first(double, double) const { return weight < 0.5F; }
   // Below a level one of the two must be.
   Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
@@ -184,6 +196,7 @@ struct SpatialMorph {
     return std::fmax(slope_a, slope_b) + other;
   }
   Keep keep(const Interval&, const Interval&) const { return Keep::both; }
+  Levels looks_at(const Levels& own, double apart) const { return own.wider(apart); }
   bool surface_of_first(double a, double b) const { return a <= b; }
   Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
 };

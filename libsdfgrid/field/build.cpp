@@ -152,6 +152,18 @@ Field make_leaf(int number, const std::vector<float>& parameters, const std::vec
   return make_field(std::move(draft));
 }
 
+Field make_unary(int number, const std::vector<float>& parameters, const Field& node) {
+  Draft draft;
+  Instruction at = add_op(draft, number, parameters, {});
+  const bool domain = registry()[number].entry.info->role == OpRole::domain;
+  at.step = Step::enter;
+  if (domain) draft.code.push_back(at);
+  append(draft, node.program());
+  at.step = domain ? Step::leave : Step::range;
+  draft.code.push_back(at);
+  return make_field(std::move(draft));
+}
+
 void check_finite(const OpInfo& op, const Box& box) {
   for (int a = 0; a < 3; ++a) {
     if (std::isfinite(box.lo[a]) && std::isfinite(box.hi[a])) continue;
@@ -171,14 +183,7 @@ Field within_region(const Field& raw, const Box& box, double slope) {
   for (const double v : {c.x, c.y, c.z, half.x, half.y, half.z, 1 / slope}) {
     parameters.push_back(static_cast<float>(v));
   }
-  Draft draft;
-  Instruction at = add_op(draft, op_number("region"), parameters, {});
-  at.step = Step::enter;
-  draft.code.push_back(at);
-  append(draft, raw.program());
-  at.step = Step::leave;
-  draft.code.push_back(at);
-  return make_field(std::move(draft));
+  return make_unary(op_number("region"), parameters, raw);
 }
 
 namespace {

@@ -41,6 +41,9 @@ class CheckedArguments {
 [[nodiscard]] Field make_leaf(int number, const std::vector<float>& parameters,
                               const std::vector<float>& list);
 
+// The field of an op of one node, from the numbers of its parameters.
+[[nodiscard]] Field make_unary(int number, const std::vector<float>& parameters, const Field& node);
+
 // Refuses a box without end: nothing bounds a slope over all of space.
 void check_finite(const OpInfo& op, const Box& box);
 

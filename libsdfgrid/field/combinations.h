@@ -79,6 +79,7 @@ struct Difference {
       "difference: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: 1}}]",
       ""};
   static constexpr bool kConvex = true;
+  static constexpr bool kTurnsLast = true;
 
   template <class T>
   T combine(const T& a, const T& b, const Point<T>&) const {
@@ -121,6 +122,7 @@ struct SmoothUnion {
     return (b - a).lo >= k ? Keep::first : ((a - b).lo >= k ? Keep::second : Keep::both);
   }
   bool surface_of_first(double a, double b) const { return a <= b; }
+  Levels looks_at(const Levels& own) const { return own.wider(k); }
   double child_level(double level) const { return level + 0.25 * k; }
   Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
 };
@@ -145,6 +147,7 @@ struct SmoothIntersection {
     return (a - b).lo >= k ? Keep::first : ((b - a).lo >= k ? Keep::second : Keep::both);
   }
   bool surface_of_first(double a, double b) const { return a >= b; }
+  Levels looks_at(const Levels& own) const { return own.wider(k); }
   Box bounds(const Box& a, const Box& b) const { return common_box(a, b); }
 };
 
@@ -158,6 +161,7 @@ struct SmoothDifference {
       "quadratic polynomial smooth maximum"};
   static constexpr Parameter parameters[] = {size("k", 0.1, "width of the rounding")};
   static constexpr bool kConvex = true;
+  static constexpr bool kTurnsLast = true;
   float k;
 
   template <class T>
@@ -168,6 +172,7 @@ struct SmoothDifference {
     return (a + b).lo >= k ? Keep::first : Keep::both;
   }
   bool surface_of_first(double a, double b) const { return a >= -b; }
+  Levels looks_at(const Levels& own) const { return own.wider(k); }
   Box bounds(const Box& a, const Box&) const { return a; }
 };
 

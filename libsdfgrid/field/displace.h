@@ -45,6 +45,9 @@ struct NoiseDisplacement {
     return (slope + noise.slope() * stretch) * scale;
   }
   double child_level(double level) const { return level / scale + noise.largest() * 1.0001; }
+  Levels looks_at(const Levels& own) const {
+    return own.scaled(1 / static_cast<double>(scale)).wider(noise.largest() * 1.0001);
+  }
   Box bounds(const Box& a) const { return a; }
 };
 
@@ -69,6 +72,7 @@ struct FormulaDisplacement {
     return d - clamp(run_formula(code, p), -largest, largest);
   }
   double child_level(double level) const { return level + largest; }
+  Levels looks_at(const Levels& own) const { return own.wider(largest); }
   Box bounds(const Box& a) const { return a; }
 };
 
@@ -142,6 +146,11 @@ struct TextureDisplacement {
   }
   double slope(const Interval&, double slope, const Point<Interval>&, double stretch) const {
     return (slope + steepness * stretch) * scale;
+  }
+  Levels looks_at(const Levels& own) const {
+    const double furthest =
+        static_cast<double>(std::fabs(amplitude)) * std::fmax(std::fabs(least), std::fabs(most));
+    return own.scaled(1 / static_cast<double>(scale)).wider(furthest * 1.0001);
   }
   double child_level(double level) const {
     const double most_out =

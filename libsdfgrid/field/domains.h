@@ -28,6 +28,8 @@ struct Translate {
     return minus(p, by);
   }
   double stretch(const Point<Interval>&) const { return 1; }
+  double similarity() const { return 1; }
+  bool changes_nothing() const { return by[0] == 0 && by[1] == 0 && by[2] == 0; }
   Box bounds(const Box& a) const {
     const glm::dvec3 t(by[0], by[1], by[2]);
     return a.empty() ? a : Box{a.lo + t, a.hi + t};
@@ -90,6 +92,8 @@ struct Rotate {
             p.x * m[2] + p.y * m[5] + p.z * m[8]};
   }
   double stretch(const Point<Interval>&) const { return 1; }
+  double similarity() const { return 1; }
+  bool changes_nothing() const { return by[0] == 0 && by[1] == 0 && by[2] == 0; }
   Box bounds(const Box& a) const {
     double rows[9];
     std::copy(m, m + 9, rows);
@@ -128,6 +132,9 @@ struct Scale {
     return std::max({inverse[0], inverse[1], inverse[2]});
   }
   double child_level(double level) const { return level / smallest; }
+  Levels looks_at(const Levels& own) const { return own.scaled(1 / static_cast<double>(smallest)); }
+  double similarity() const { return by[0] == by[1] && by[0] == by[2] ? by[0] : 0; }
+  bool changes_nothing() const { return by[0] == 1 && by[1] == 1 && by[2] == 1; }
   Box bounds(const Box& a) const {
     const glm::dvec3 s(by[0], by[1], by[2]);
     return a.empty() ? a : Box{a.lo * s, a.hi * s};

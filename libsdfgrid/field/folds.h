@@ -31,6 +31,9 @@ struct Mirror {
             planes[2] > 0.5F ? abs(p.z) : p.z};
   }
   double stretch(const Point<Interval>&) const { return 1; }
+  bool changes_nothing() const {
+    return planes[0] <= 0.5F && planes[1] <= 0.5F && planes[2] <= 0.5F;
+  }
   Box bounds(const Box& a) const {
     if (a.empty()) return a;
     Box r = a;
@@ -77,6 +80,11 @@ struct Linear {
   }
   double stretch(const Point<Interval>&) const { return 1 / static_cast<double>(scale); }
   double child_level(double level) const { return level / scale; }
+  Levels looks_at(const Levels& own) const { return own.scaled(1 / static_cast<double>(scale)); }
+  bool changes_nothing() const {
+    const float same[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    return std::equal(m, m + 9, same);
+  }
   Box bounds(const Box& a) const {
     double rows[9];
     std::copy(m, m + 9, rows);

@@ -1,4 +1,5 @@
-// What ops derive from their node or from more than numbers: linear maps, repetition, displacement.
+// What ops derive from their node or from more than numbers: linear maps, repetition, displacement,
+// levels of grids and meshes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +11,8 @@
 #include "sdfgrid/field/displace.h"
 #include "sdfgrid/field/folds.h"
 #include "sdfgrid/field/formula.h"
+#include "sdfgrid/field/interpret.h"
+#include "sdfgrid/field/ranges.h"
 
 namespace sdfgrid::ops {
 namespace {
@@ -113,6 +116,49 @@ void TextureDisplacement::prepare(Data samples) {
 std::vector<float> FormulaDisplacement::list_of(const std::vector<Argument>& given) {
   const CheckedArguments arguments({&info, parameters}, given);
   return parse_formula(arguments.text("f", nullptr), arguments.number("t"));
+}
+
+namespace {
+
+// The value that a field has at a distance from its surface, where that is a grid or a mesh and
+// nothing else, moved, turned and scaled as it may be: its sampler knows. Of other fields the
+// distance.
+double value_at(const Field& field, double distance) {
+  const Program& program = field.program();
+  const Sampler* sampler = nullptr;
+  double scale = 1;
+  for (const Instruction& at : program.code) {
+    if (at.step == Step::sample) {
+      sampler = &sampler_of(program, at);
+    } else if (at.step == Step::leave && registry()[at.op].similarity != nullptr) {
+      scale *= registry()[at.op].similarity(constants_of(program, at));
+    } else if (at.step != Step::enter) {
+      return distance;
+    }
+  }
+  return sampler != nullptr && scale > 0 ? scale * sampler->value_at(distance / scale) : distance;
+}
+
+Field level(const Field& node, double distance) {
+  static const int offset = op_number("offset");
+  return make_unary(offset, {static_cast<float>(value_at(node, distance))}, node);
+}
+
+}  // namespace
+
+Field Offset::make_around(const std::vector<Argument>& arguments, const Field& node) {
+  return level(node, CheckedArguments({&info, parameters}, arguments).number("by"));
+}
+
+Field Shell::make_around(const std::vector<Argument>& arguments, const Field& node) {
+  const double thick = CheckedArguments({&info, parameters}, arguments).number("thickness");
+  const double half = 0.5 * thick;
+  const bool level_is_distance = value_at(node, half) == half && value_at(node, -half) == -half;
+  if (level_is_distance) {
+    static const int shell = op_number("shell");
+    return make_unary(shell, {static_cast<float>(thick)}, node);
+  }
+  return make_field("difference", {}, {level(node, half), level(node, -half)});
 }
 
 namespace {

@@ -86,6 +86,9 @@ void append_unary(Draft& draft, int number, const std::vector<Argument>& argumen
     const float by[3] = {constants[0], constants[1], constants[2]};
     if (append_moved_leaf(draft, node, by)) return;
   }
+  if (op.changes_nothing != nullptr && op.changes_nothing(constants)) {
+    return append(draft, node.program());
+  }
   const bool domain = op.entry.info->role == OpRole::domain;
   at.step = Step::enter;
   if (domain) draft.code.push_back(at);

@@ -9,9 +9,14 @@
 // each a template over the number type, with one more argument (data, count) if the op has a list.
 // A leaf may say kConvexSolid: along any line its value is a convex function.
 // For ordinary code only, never for kernels: void prepare(Data), and Box bounds(children...): where
-// the value is below a level, given where the children are below child_level(level).
+// the value is below a level, given where the children are below child_level(level). What of its
+// nodes' values matters for its own to be right at some is looks_at(levels), or of those where
+// surfaces may be as far from each other as `apart`, looks_at(levels, apart), and of the last node
+// that negated if it has kTurnsLast. A domain op may say changes_nothing(), and similarity(): what
+// it multiplies all lengths by, if they all are, else 0.
 #pragma once
 
+#include "sdfgrid/field/levels.h"
 #include "sdfgrid/field/number.h"
 #include "sdfgrid/field/op.h"
 

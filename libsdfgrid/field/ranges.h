@@ -1,7 +1,14 @@
 // field/ranges.h: ops that change the value of one node (internal to field/).
 #pragma once
 
+#include <vector>
+
 #include "sdfgrid/field/combinations.h"
+
+namespace sdfgrid {
+class Field;
+struct Argument;
+}  // namespace sdfgrid
 
 namespace sdfgrid::ops {
 
@@ -14,6 +21,7 @@ struct Complement {
                                   "{complement: {of: {sphere: {radius: 0.8}}}}]",
                                   ""};
   static constexpr bool kConvex = true;
+  static constexpr bool kTurnsLast = true;
 
   template <class T>
   T value(const T& d, const Point<T>&) const {
@@ -34,6 +42,8 @@ struct Offset {
       "Hart 1996; exact for exact convex nodes"};
   static constexpr Parameter parameters[] = {length_of("by", 0.1, "how far outwards")};
   static constexpr bool kConvex = true;
+  // Of a grid or a mesh, exactly.
+  static Field make_around(const std::vector<Argument>& arguments, const Field& node);
   float by;
 
   template <class T>
@@ -41,6 +51,7 @@ struct Offset {
     return d - by;
   }
   double child_level(double level) const { return level + by; }
+  Levels looks_at(const Levels& own) const { return {own.lo + by, own.hi + by}; }
   Box bounds(const Box& a) const { return a; }
 };
 
@@ -56,6 +67,8 @@ struct Shell {
       ""};
   static constexpr Parameter parameters[] = {size("thickness", 0.1, "of the skin")};
   static constexpr bool kConvex = true;
+  // Of a grid or a mesh, exactly.
+  static Field make_around(const std::vector<Argument>& arguments, const Field& node);
   float thickness;
 
   template <class T>
@@ -63,6 +76,9 @@ struct Shell {
     return abs(d) - 0.5F * thickness;
   }
   double child_level(double level) const { return level + 0.5 * thickness; }
+  Levels looks_at(const Levels& own) const {
+    return Levels{-own.hi, own.hi}.wider(0.5 * thickness);
+  }
   Box bounds(const Box& a) const { return a; }
 };
 

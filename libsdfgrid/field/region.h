@@ -59,6 +59,7 @@ struct Region {
         max(abs(p.y - center[1]) - Interval(half[1]), abs(p.z - center[2]) - Interval(half[2])));
   }
   double child_level(double level) const { return level / scale; }
+  Levels looks_at(const Levels& own) const { return own.scaled(1 / static_cast<double>(scale)); }
   Box bounds(const Box& a, double level) const {
     const glm::dvec3 c(center[0], center[1], center[2]);
     const glm::dvec3 h(half[0], half[1], half[2]);

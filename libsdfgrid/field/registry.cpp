@@ -21,6 +21,31 @@ std::span<const Parameter> parameters_of() {
 }
 
 template <class Op>
+void add_levels(RegisteredOp& r) {
+  constexpr bool moves = requires(Op op) { op.child_level(0.0); };
+  r.child_level = [](const float* c, double level) {
+    if constexpr (moves) {
+      return load_op<Op>(c).child_level(level);
+    } else {
+      return level;
+    }
+  };
+  constexpr bool looks = requires(Op op) { op.looks_at(Levels()); };
+  constexpr bool looks_apart = requires(Op op) { op.looks_at(Levels(), 0.0); };
+  static_assert(!moves || looks || looks_apart, "an op that moves levels says which it looks at");
+  r.looks_at = [](const float* c, const Levels& own, double apart) {
+    if constexpr (looks) {
+      return load_op<Op>(c).looks_at(own);
+    } else if constexpr (looks_apart) {
+      return load_op<Op>(c).looks_at(own, apart);
+    } else {
+      return own;
+    }
+  };
+  r.turns_last = requires { Op::kTurnsLast; };
+}
+
+template <class Op>
 RegisteredOp registered() {
   RegisteredOp r;
   r.entry = {&Op::info, parameters_of<Op>()};
@@ -60,13 +85,13 @@ RegisteredOp registered() {
       return op.bounds(a);
     }
   };
-  r.child_level = [](const float* c, double level) {
-    if constexpr (requires(Op op) { op.child_level(level); }) {
-      return load_op<Op>(c).child_level(level);
-    } else {
-      return level;
-    }
-  };
+  add_levels<Op>(r);
+  if constexpr (requires(Op op) { op.changes_nothing(); }) {
+    r.changes_nothing = [](const float* c) { return load_op<Op>(c).changes_nothing(); };
+  }
+  if constexpr (requires(Op op) { op.similarity(); }) {
+    r.similarity = [](const float* c) { return load_op<Op>(c).similarity(); };
+  }
   if constexpr (requires(Op op) { op.reach(); }) {
     r.reach = [](const float* c) { return load_op<Op>(c).reach(); };
   }

@@ -28,6 +28,12 @@ struct RegisteredOp {
   Box (*bounds)(const float* constants, ops::Data data, const Box& a, const Box& b,
                 double level) = nullptr;
   double (*child_level)(const float* constants, double level) = nullptr;
+  // Which values of its nodes matter, see ops.h; without what `turns_last` says.
+  Levels (*looks_at)(const float* constants, const Levels& own, double apart) = nullptr;
+  bool turns_last = false;
+  // Of domain ops: see ops.h; null where they do not say.
+  bool (*changes_nothing)(const float* constants) = nullptr;
+  double (*similarity)(const float* constants) = nullptr;
   // Of combinations: see combinations.h; null where nothing is too far away to matter.
   double (*reach)(const float* constants) = nullptr;
 };

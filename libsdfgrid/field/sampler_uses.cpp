@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <string_view>
 
 #include "sdfgrid/field/field.h"
 #include "sdfgrid/field/program_data.h"
@@ -10,53 +9,6 @@
 
 namespace sdfgrid {
 namespace {
-
-// Values that matter for a surface, around 0 if nothing moves it.
-struct Levels {
-  double lo = 0;
-  double hi = 0;
-
-  [[nodiscard]] Levels wider(double by) const { return {lo - by, hi + by}; }
-  [[nodiscard]] Levels negated() const { return {-hi, -lo}; }
-};
-
-// The first number of an op's struct: the width of a smooth blend, the thickness of a shell.
-double first_number(const Program& program, const Instruction& at) {
-  return static_cast<double>(constants_of(program, at)[0]);
-}
-
-// What is asked of the nodes of an op, so that it is right at `levels`.
-struct Asked {
-  Levels first;
-  Levels last;  // of an op of one node: its
-};
-
-Asked asked_by(const Program& program, const Instruction& at, const Levels& levels, double size) {
-  const std::string_view op = registry()[at.op].entry.info->name;
-  const auto both = [](const Levels& of) { return Asked{of, of}; };
-  if (op == "complement") return both(levels.negated());
-  if (op == "difference") return {levels, levels.negated()};
-  if (op == "smooth_union" || op == "smooth_intersection" || op == "smooth_difference") {
-    const Levels wider = levels.wider(first_number(program, at));
-    return {wider, op == "smooth_difference" ? wider.negated() : wider};
-  }
-  if (op == "morph" || op == "spatial_morph") return both(levels.wider(size));
-  if (op == "shell") {
-    const double most = levels.hi + 0.5 * first_number(program, at);
-    return both({-most, most});
-  }
-  const auto child_level = registry()[at.op].child_level;
-  const float* c = constants_of(program, at);
-  if (op == "offset") return both({child_level(c, levels.lo), child_level(c, levels.hi)});
-  if (at.step != Step::combine && at.step != Step::range) {  // scales
-    return both({-child_level(c, -levels.lo), child_level(c, levels.hi)});
-  }
-  // Blends read more than what they lower the surface by.
-  constexpr double kOfBlends = 4;
-  const double more = child_level(c, levels.hi) - levels.hi;
-  const bool blends = at.step == Step::combine && op != "blend";
-  return both(levels.wider(std::fmax(more, 0) * (blends ? kOfBlends : 1)));
-}
 
 class Uses {
  public:
@@ -76,15 +28,17 @@ class Uses {
     if (at.step == Step::sample) return add_use(&sampler_of(program_, at), levels);
     if (at.step == Step::leaf) return;
     constexpr int kMostJoins = 2;
-    const Asked asked =
-        joins < kMostJoins ? asked_by(program_, at, levels, size_) : Asked{levels, levels};
+    const RegisteredOp& op = registry()[at.op];
+    const Levels first =
+        joins < kMostJoins ? op.looks_at(constants_of(program_, at), levels, size_) : levels;
+    const Levels second = op.turns_last ? first.negated() : first;
+    if (at.step != Step::combine) return add(last - 1, second);
     const auto joins_below = [&](int node) {
       return program_.code[node].op == at.op ? joins + 1 : 0;
     };
-    if (at.step != Step::combine) return add(last - 1, asked.last);
-    add(last - 1, asked.last, joins_below(last - 1));
-    const int first = starts_[last - 1] - 1;
-    add(first, asked.first, joins_below(first));
+    add(last - 1, second, joins_below(last - 1));
+    const int other = starts_[last - 1] - 1;
+    add(other, first, joins_below(other));
   }
 
   std::vector<SamplerUse> found;

@@ -171,36 +171,7 @@ class SceneBuilder {
       }
     }
     add_time(node.op, arguments);
-    Field made = make_field(node.op, arguments, of);
-    if (of.size() == 1 && is_file(node.of[0])) {
-      if (node.op == "offset") return level_of_file(node.of[0], of[0], only(node.op, arguments));
-      if (node.op == "shell") {
-        const double half = 0.5 * only(node.op, arguments);
-        return make_field(
-            "difference", {},
-            {level_of_file(node.of[0], of[0], half), level_of_file(node.of[0], of[0], -half)});
-      }
-    }
-    return made;
-  }
-
-  // The number of an op that has one.
-  static double only(const std::string& op, const std::vector<Argument>& arguments) {
-    if (arguments.empty()) return find_op(op)->parameters[0].fallback[0];
-    return std::get<std::vector<double>>(arguments[0].value)[0];
-  }
-
-  // Whether the node is a file and nothing else, as large or small as it may be.
-  static bool is_file(const SceneNode& node) {
-    return (node.op == "grid" || node.op == "mesh") && node.scale.size() < 3;
-  }
-
-  // What lies within a distance of a file's surface: exactly, while offsets of a bound reach
-  // further, as its sampler knows at which value that is.
-  Field level_of_file(const SceneNode& node, const Field& field, double distance) {
-    const double scale = node.scale.empty() ? 1 : numbers(node.scale)[0];
-    const double value = scale * sampler(node, node.op == "mesh")->value_at(distance / scale);
-    return make_field("offset", {{"by", {value}}}, {field});
+    return make_field(node.op, arguments, of);
   }
 
   // Formulas of position know the time of the frame, unless the node says another.

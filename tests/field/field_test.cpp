@@ -111,14 +111,16 @@ TEST(Field, RefusesWithOpAndRemedy) {
 }
 
 TEST(Field, RefusesDeepNesting) {
-  const auto nest = [](const char* op, int levels) {
+  const auto nest = [](const char* op, int levels,
+                       const std::vector<sdfgrid::Argument>& arguments = {}) {
     Field f = make_field("sphere");
-    for (int i = 0; i < levels; ++i) f = make_field(op, {}, {f});
+    for (int i = 0; i < levels; ++i) f = make_field(op, arguments, {f});
     return f;
   };
   EXPECT_EQ(refusal([&] { (void)nest("offset", 300); }), "");
   EXPECT_NE(refusal([&] { (void)nest("offset", 20000); }), "");
-  EXPECT_NE(refusal([&] { (void)nest("rotate", 20000); }), "");
+  EXPECT_NE(refusal([&] { (void)nest("rotate", 20000, {{"by", {1, 0, 0}}}); }), "");
+  EXPECT_EQ(nest("rotate", 20000).size(), 1U);  // by nothing
 }
 
 }  // namespace

@@ -61,6 +61,41 @@ TEST_F(SceneOfCube, OffsetsAndShellsAreWhereTheySay) {
   EXPECT_GT(shell({1.8F, 1, 1}), 0.01);
 }
 
+// What changes nothing, or only where a file is and how large, may stand between; and what gives a
+// name to a group.
+TEST_F(SceneOfCube, OffsetsAndShellsAreWhereTheySayThroughWhatDoesNotBend) {
+  const std::pair<std::string, double> around[] = {
+      {"{union: [MESH]}", 1},
+      {"{union: [{union: [MESH], name: group}], at: [0, 0, 0], rotate: [0, 0, 0], scale: 1}", 1},
+      {"{mirror: {planes: [0, 0, 0], of: MESH}}", 1},
+      {"{linear: {matrix: [1, 0, 0, 0, 1, 0, 0, 0, 1], of: MESH}}", 1},
+      {"{translate: {by: [0, 0, 0], of: {rotate: {by: [0, 0, 0], of: MESH}}}}", 1},
+      {"{intersection: [{translate: {by: [-1, 0, 0], of: {translate: {by: [1, 0, 0], of: "
+       "MESH}}}}]}",
+       1},
+      {"{scale: {by: 2, of: {union: [{mesh: {file: cube.off, dim: 48}, scale: 0.75}]}}}", 1.5},
+      {"{rotate: {by: [90, 0, 0], of: {translate: {by: [0, 0, -1], of: MESH}}}}", 1},
+  };
+  for (const auto& [scene, edge] : around) {
+    std::string text = scene;
+    for (auto at = text.find("MESH"); at != std::string::npos; at = text.find("MESH")) {
+      text.replace(at, 4, mesh_);
+    }
+    SCOPED_TRACE(text);
+    for (const double by : {-0.2, 0.3}) {
+      const Field grown = field(fmt::format("{{offset: {{by: {}, of: {}}}}}", by, text));
+      const auto face = static_cast<float>(edge + by);
+      const float middle = 0.4F * static_cast<float>(edge);
+      EXPECT_NEAR(grown({face, middle, middle}), 0, 2e-5) << by;
+      EXPECT_NEAR(grown({middle, face, middle}), 0, 2e-5) << by;
+    }
+    const Field shell = field("{shell: {thickness: 0.2, of: " + text + "}}");
+    for (const double wall : {edge - 0.1, edge + 0.1}) {
+      EXPECT_NEAR(shell({static_cast<float>(wall), 0.5F, 0.5F}), 0, 2e-5) << wall;
+    }
+  }
+}
+
 // What is made of the mesh and of a box in its place, at points around: the same but for samples.
 // (Not so where an op blends by values inside, as smooth intersections do: those of files are
 // bounds, up to 1.7 times too small.)
