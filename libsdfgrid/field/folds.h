@@ -94,7 +94,10 @@ struct Linear {
 
 // In its own cell the node's distance holds; across the wall there may be a copy that is nearer,
 // but none nearer than the wall plus `gap`, the least that the node's value is anywhere on the
-// walls.
+// walls. Where that is little the field is a union with the copies in the nearest cells as well,
+// each of them a Repeat with another `shift`, and only what is beyond those is bounded so: a way
+// there crosses one of the walls on the far side, and then one around its cell. To a cell next to
+// this one it crosses all walls between, and then likewise.
 struct Repeat {
   static constexpr OpInfo info = {
       "repeat",
@@ -105,21 +108,30 @@ struct Repeat {
       "in its cell.",
       "intersection: [{repeat: {cell: [1, 1, 0], of: {capsule: {from: [-0.2, 0, 0], to: [0.2, 0.1, "
       "0.3], radius: 0.15}}}}, {box: {size: [3, 3, 3]}}]",
-      "right for any content, which Diener (2.16) and Krayer (40) are not: the step ends at the "
-      "wall"};
+      "right for any content, which Diener (2.16) and Krayer (40) are not: the nearest cells "
+      "count, "
+      "or the step ends at the wall"};
   static constexpr Parameter parameters[] = {vector("cell", 2, 2, 2, 0, kAny, "edges of a cell")};
   static constexpr bool kLeaves = true;
   static Field make_around(const std::vector<Argument>& arguments, const Field& node);
   float cell[3];
   float inverse[3];
   float gap;
+  float near;      // 1 if the nearest cells are in the union
+  float shift[3];  // 1 along axes along which this is the nearest cell's copy, not the own cell's
 
   void prepare(Data) {
     for (int i = 0; i < 3; ++i) inverse[i] = cell[i] > 0 ? 1 / cell[i] : 0;
   }
   template <class T>
-  T local(const T& x, int axis) const {
+  T in_own_cell(const T& x, int axis) const {
     return cell[axis] > 0 ? x - floor(x * inverse[axis] + 0.5F) * cell[axis] : x;
+  }
+  template <class T>
+  T local(const T& x, int axis) const {
+    const T own = in_own_cell(x, axis);
+    if (shift[axis] == 0) return own;
+    return select(own > T(0.0F), own - cell[axis], own + cell[axis]);
   }
   template <class T>
   Point<T> inside(const Point<T>& p) const {
@@ -127,21 +139,37 @@ struct Repeat {
   }
   template <class T>
   T value(const T& d, const Point<T>& p) const {
+    const T x[3] = {p.x, p.y, p.z};
+    T own = d;
     T wall(1e9F);
-    if (cell[0] > 0) wall = min(wall, T(0.5F * cell[0]) - abs(local(p.x, 0)));
-    if (cell[1] > 0) wall = min(wall, T(0.5F * cell[1]) - abs(local(p.y, 1)));
-    if (cell[2] > 0) wall = min(wall, T(0.5F * cell[2]) - abs(local(p.z, 2)));
-    return min(d, positive(wall) + gap);
+    for (int i = 0; i < 3; ++i) {
+      if (!(cell[i] > 0)) continue;
+      const T from_middle = abs(in_own_cell(x[i], i));
+      const T to_wall = T(0.5F * cell[i]) - from_middle;
+      // Across the wall no node is nearer than that, though its value may be less.
+      if (shift[i] > 0) own = max(own, positive(to_wall) + gap);
+      wall = min(wall, near > 0 ? from_middle + 0.5F * cell[i] : to_wall);
+    }
+    return min(own, positive(wall) + gap);
   }
   double stretch(const Point<Interval>&) const { return 1; }
   double slope(const Interval& d, double slope, const Point<Interval>&, double stretch) const {
-    return d.hi < gap ? slope : std::fmax(stretch, slope);
+    const bool own = shift[0] + shift[1] + shift[2] == 0;
+    return own && d.hi < gap ? slope : std::fmax(stretch, slope);
+  }
+  // Values below that are a node's, or larger than one's.
+  double exact_below() const {
+    double wall = kInfinity;
+    for (int i = 0; i < 3; ++i) {
+      if (cell[i] > 0) wall = std::fmin(wall, near > 0 ? 0.5 * cell[i] : 0);
+    }
+    return wall + gap;
   }
   Box bounds(const Box& a, double level) const {
     if (a.empty() && level <= 0) return a;
     Box r = a;
     for (int i = 0; i < 3; ++i) {
-      if (cell[i] > 0 || level >= gap) {
+      if (cell[i] > 0 || level >= exact_below()) {
         r.lo[i] = -kInfinity;
         r.hi[i] = kInfinity;
       }

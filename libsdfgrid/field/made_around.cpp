@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
+#include <optional>
 #include <queue>
 
 #include "sdfgrid/field/build.h"
@@ -163,28 +165,98 @@ Field Shell::make_around(const std::vector<Argument>& arguments, const Field& no
 
 namespace {
 
-// A lower bound on a field over a box: the part with the least bound is split until that gains
-// little.
-double least_value(const Field& field, const Box& box) {
+// Halves of a box, across its longest side; where a side has no end, farther out the farther it
+// begins beyond `content`. Nothing if it is a point.
+std::optional<std::pair<Box, Box>> halves(const Box& box, const Box& content) {
+  const glm::dvec3 size = box.size();
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+  const double lo = box.lo[axis];
+  const double hi = box.hi[axis];
+  if (!(hi > lo)) return {};
+  const double lowest = std::isfinite(content.lo[axis]) ? content.lo[axis] : 0;
+  const double highest = std::isfinite(content.hi[axis]) ? content.hi[axis] : 0;
+  double at = 0.5 * (lo + hi);
+  if (!std::isfinite(lo) && !std::isfinite(hi)) {
+    at = 0.5 * (lowest + highest);
+  } else if (!std::isfinite(hi)) {
+    at = lo < highest ? highest : lo + (lo - highest) + (highest - lowest) + 1;
+  } else if (!std::isfinite(lo)) {
+    at = hi > lowest ? lowest : hi - (lowest - hi) - (highest - lowest) - 1;
+  }
+  std::pair<Box, Box> made{box, box};
+  made.first.hi[axis] = made.second.lo[axis] = at;
+  return made;
+}
+
+// A lower bound on a node over a box, where it is `known` already to be no less than that, and
+// within a hundredth of the least value that was met: the part with the least bound is divided
+// until then, at most kMostParts times, and so often that no more than kMostInstructions are read.
+double least_value(const Field& field, const Box& box, const Box& content, double known) {
+  constexpr std::size_t kMostParts = 4000;
+  constexpr std::size_t kMostInstructions = 1000000;
   using Part = std::pair<double, Box>;
   const auto later = [](const Part& a, const Part& b) { return a.first > b.first; };
   std::priority_queue<Part, std::vector<Part>, decltype(later)> parts(later);
-  parts.push({field.range(box).lo, box});
-  for (int i = 0; i < 300; ++i) {
-    const auto [bound, part] = parts.top();
-    const glm::dvec3 size = part.size();
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
-    const double middle = part.center()[axis];
-    if (!std::isfinite(middle) || !(size[axis] > 0)) break;
+  double met = kInfinity;
+  const auto add = [&](const Box& part, double least) {
+    parts.push({std::fmax(least, field.range(part).lo), part});
+    const glm::dvec3 middle = part.center();
+    const bool finite =
+        std::isfinite(middle.x) && std::isfinite(middle.y) && std::isfinite(middle.z);
+    if (finite) met = std::fmin(met, field.range({middle, middle}).hi);
+  };
+  add(box, known);
+  const std::size_t most = std::min(kMostParts, kMostInstructions / field.size());
+  for (std::size_t i = 0; i < most && !(parts.top().first >= 0.99 * met); ++i) {
+    const auto [least, part] = parts.top();
+    const auto both = halves(part, content);
+    if (!both) break;
     parts.pop();
-    Box half = part;
-    half.hi[axis] = middle;
-    parts.push({field.range(half).lo, half});
-    half = part;
-    half.lo[axis] = middle;
-    parts.push({field.range(half).lo, half});
+    add(both->first, least);
+    add(both->second, least);
   }
   return parts.top().first;
+}
+
+// A value that a node has at least on the walls of its cell across an axis, by the boxes that it
+// says to be below levels in.
+double least_by_bounds(const Field& node, const Box& cell, int axis) {
+  constexpr int kHalvings = 12;
+  double below = 0;
+  double above = cell.size()[axis];
+  for (int i = 0; i < kHalvings; ++i) {
+    const double level = 0.5 * (below + above);
+    const Box box = node.bounds(level);
+    const bool within = box.lo[axis] > cell.lo[axis] && box.hi[axis] < cell.hi[axis];
+    (within ? below : above) = level;
+  }
+  return below > 0 ? below : -kInfinity;
+}
+
+// The least value of a node on the walls of its cell across an axis.
+double least_on_walls(const Field& node, const Box& cell, const std::vector<double>& edges,
+                      int axis, const Box& content) {
+  const double known = least_by_bounds(node, cell, axis);
+  double least = kInfinity;
+  for (const double side : {cell.lo[axis], cell.hi[axis]}) {
+    Box wall = cell;
+    for (int b = 0; b < 3; ++b) {
+      if (edges[b] > 0) continue;
+      // Beyond the node a 1-Lipschitz bound may fall again, so all of the axis counts.
+      wall.lo[b] = -kInfinity;
+      wall.hi[b] = kInfinity;
+    }
+    wall.lo[axis] = wall.hi[axis] = side;
+    least = std::fmin(least, least_value(node, wall, content, known));
+  }
+  return least;
+}
+
+// One cell's copies of a node.
+Field repeated(const Repeat& op, const Field& node) {
+  std::vector<float> parameters(sizeof op / sizeof(float));
+  std::memcpy(parameters.data(), &op, sizeof op);
+  return make_unary(op_number("repeat"), parameters, node);
 }
 
 }  // namespace
@@ -205,43 +277,38 @@ Field Repeat::make_around(const std::vector<Argument>& given, const Field& node)
                           "{:g} to {:g}; enlarge the cell or move the node into it",
                           content.lo[a], content.hi[a], "xyz"[a], cell_box.lo[a], cell_box.hi[a]));
   }
+  Repeat op{};
   double gap = kAny;
+  bool close = false;  // so much of an edge of the cell, or less
+  int axes = 0;
   for (int a = 0; a < 3; ++a) {
+    op.cell[a] = static_cast<float>(edges[a]);
     if (edges[a] <= 0) continue;
-    for (const double side : {cell_box.lo[a], cell_box.hi[a]}) {
-      Box wall = cell_box;
-      for (int b = 0; b < 3; ++b) {
-        if (edges[b] > 0) continue;
-        // Beyond the node a 1-Lipschitz bound may fall again, so all of the axis counts.
-        wall.lo[b] = -kInfinity;
-        wall.hi[b] = kInfinity;
-      }
-      wall.lo[a] = wall.hi[a] = side;
-      gap = std::min(gap, least_value(node, wall));
-    }
+    constexpr double kClose = 0.2;
+    const double least = least_on_walls(node, cell_box, edges, a, content);
+    gap = std::fmin(gap, least);
+    close = close || least < kClose * edges[a];
+    ++axes;
   }
   if (!(gap > 0)) {
     throw refused(info,
                   "the node's distance is not above 0 on the walls of its cell; enlarge the cell");
   }
-  Draft draft;
-  Instruction at = add_op(
-      draft, op_number("repeat"),
-      {static_cast<float>(edges[0]), static_cast<float>(edges[1]), static_cast<float>(edges[2])},
-      {});
   // A hair less, for what single precision makes of a point on a wall.
-  Repeat op{};
-  std::copy_n(draft.pool.constants.data() + at.constants, sizeof op / sizeof(float),
-              reinterpret_cast<float*>(&op));
   op.gap = static_cast<float>(gap * (1 - 1e-5));
-  std::copy_n(reinterpret_cast<const float*>(&op), sizeof op / sizeof(float),
-              draft.pool.constants.data() + at.constants);
-  at.step = Step::enter;
-  draft.code.push_back(at);
-  append(draft, node.program());
-  at.step = Step::leave;
-  draft.code.push_back(at);
-  return make_field(std::move(draft));
+  // Longer programs take more time than steps that end at walls.
+  constexpr std::size_t kMostInstructions = 512;
+  op.near = close && (node.size() + 2) << axes <= kMostInstructions ? 1 : 0;
+  std::vector<Field> copies;
+  for (int shifts = 0; shifts < (op.near > 0 ? 8 : 1); ++shifts) {
+    bool repeats = true;
+    for (int a = 0; a < 3; ++a) {
+      op.shift[a] = static_cast<float>(shifts >> a & 1);
+      repeats = repeats && (op.shift[a] == 0 || op.cell[a] > 0);
+    }
+    if (repeats) copies.push_back(repeated(op, node));
+  }
+  return make_field("union", {}, copies);
 }
 
 }  // namespace sdfgrid::ops

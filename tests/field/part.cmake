@@ -17,6 +17,7 @@ sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/exact_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/ops_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/pairs.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/roots_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/repeat_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/sampler_uses_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/slope_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/union_tree_test.cpp
