@@ -21,7 +21,6 @@ namespace {
 
 using Kind = YamlNode::Kind;
 using Names = std::vector<std::string>;
-constexpr int kVersion = 1;  // of the format
 
 const Names kTopWords = {"sdfgrid", "camera", "materials", "scene"};
 const NodeWord kCameraWords = {{"eye", "target", "up", "fov"}, {}, true, {}};
@@ -51,7 +50,7 @@ class SceneReader {
     if (root.kind != Kind::map) {
       refuse(root, "it is no scene", "begin with `sdfgrid: 1` and give it a `scene`");
     }
-    check_version(root);
+    read_version(root);
     // Materials first, wherever they stand: nodes name them.
     if (const YamlNode* materials = find(root, "materials")) read_materials(*materials);
     for_keys(root, [&](const YamlNode& key, const YamlNode& value) {
@@ -99,20 +98,21 @@ class SceneReader {
     }
   }
 
-  void check_version(const YamlNode& root) {
+  void read_version(const YamlNode& root) {
     const YamlNode* version = find(root, "sdfgrid");
     if (version == nullptr) {
       refuse(root, "it does not say that it is a scene", "begin with `sdfgrid: 1`");
     }
     char* end = nullptr;
     const double number = std::strtod(version->text.c_str(), &end);
-    if (version->text.empty() || *end != 0 || !(number >= 1)) {
+    if (version->text.empty() || *end != 0 || !(number >= 1 && std::isfinite(number))) {
       refuse(*version, "the format's version is no number from 1 on", "write `sdfgrid: 1`");
     }
-    if (number > kVersion) {
+    result_.scene.version = number;
+    if (number > kSceneVersion) {
       warn(*version, fmt::format("it is of version {} of the format, this program knows {}: what "
                                  "is new is left out",
-                                 version->text, kVersion));
+                                 version->text, kSceneVersion));
     }
   }
 

@@ -52,14 +52,21 @@ struct SceneMaterial {
   bool operator==(const SceneMaterial&) const = default;
 };
 
+// The format that this library knows whole.
+inline constexpr double kSceneVersion = 1;
+
 struct Scene {
+  // Of the format, as the file says. What is read of a newer one is what this library knows of it;
+  // it is saved as of the newer one still, so that its words keep the meaning that they have there.
+  double version = kSceneVersion;
   std::vector<SceneValue> camera;  // eye, target, up, fov: those that are given
   std::vector<SceneMaterial> materials;
   std::vector<SceneNode> nodes;  // their union
 };
 
 [[nodiscard]] inline bool operator==(const Scene& a, const Scene& b) {
-  return a.camera == b.camera && a.materials == b.materials && a.nodes == b.nodes;
+  return a.version == b.version && a.camera == b.camera && a.materials == b.materials &&
+         a.nodes == b.nodes;
 }
 
 struct SceneFile {

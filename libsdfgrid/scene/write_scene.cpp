@@ -87,7 +87,7 @@ void write_nodes(const std::vector<SceneNode>& nodes, const std::string& indent,
 }  // namespace
 
 std::string scene_text(const Scene& scene) {
-  std::string out = "sdfgrid: 1\n";
+  std::string out = fmt::format("sdfgrid: {}\n", scene.version);
   auto to = std::back_inserter(out);
   if (!scene.camera.empty()) fmt::format_to(to, "camera: {}\n", text_of(scene.camera));
   if (!scene.materials.empty()) out += "materials:\n";

@@ -135,6 +135,22 @@ TEST_F(SceneOfCube, StandsUnderOpsThatLookBeyondIt) {
   EXPECT_TRUE(bounds.lo.x > -0.5 && bounds.hi.x < 3.2) << bounds.lo.x << " " << bounds.hi.x;
 }
 
+// An offset wider than copies are from the walls of their cells is around the copies, not the
+// walls.
+TEST_F(SceneOfCube, OffsetsOfRepeatedFilesLeaveTheWallsAlone) {
+  const std::string centered = "{mesh: {file: cube.off, dim: 48}, at: [-0.5, -0.5, -0.5]}";
+  const Field row =
+      field("{offset: {by: 0.15, of: {repeat: {cell: [1.2, 1.2, 0], of: " + centered + "}}}}");
+  EXPECT_LT(row({0.6F, 0, 0}), 0);  // where two meet
+  for (const float z : {0.8F, 1.5F, 20.0F}) {
+    for (const float wall : {0.6F, 1.8F, -3.0F}) {
+      EXPECT_GT(row({wall, 0.2F, z}), 0) << wall << " " << z;
+      EXPECT_GT(row({0.1F, wall, z}), 0) << wall << " " << z;
+    }
+  }
+  EXPECT_NEAR(row({0.1F, 0.1F, 0.65F}), 0, 0.05);  // a bound reaches further
+}
+
 // Of grids with samples everywhere, and of bands of two widths: 1-Lipschitz, and no point below a
 // level is outside of its bounds.
 TEST_F(SceneOfCube, GridsOfAllKindsAreBounds) {

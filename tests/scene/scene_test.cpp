@@ -192,6 +192,19 @@ TEST(Scene, NewerFormatsAreReadAsFarAsTheyAreKnown) {
   EXPECT_EQ(file.scene.nodes.size(), 1U);
 }
 
+// A saved scene does not claim to be of an older format than the words that it was read with.
+TEST(Scene, NewerFormatsAreSavedAsSuch) {
+  for (const char* version : {"1", "2", "2.5", "1000000"}) {
+    const std::string head = fmt::format("sdfgrid: {}\n", version);
+    const Scene scene = parse_scene(head + "scene: {sphere: {}}\n", "s").scene;
+    const std::string saved = scene_text(scene);
+    EXPECT_EQ(saved.substr(0, head.size()), head);
+    EXPECT_EQ(parse_scene(saved, "again").scene, scene);
+  }
+  EXPECT_EQ(scene_text(Scene()).substr(0, 11), "sdfgrid: 1\n");
+  EXPECT_NE(parse_scene("sdfgrid: 2\nscene: []\n", "s").scene, Scene());
+}
+
 // What is left out may not turn the rest into another solid.
 TEST(Scene, NodesThatNeedAnUnknownOneAreLeftOutWithIt) {
   const auto nodes = [](const std::string& scene) {
