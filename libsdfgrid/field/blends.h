@@ -1,5 +1,6 @@
-// field/blends.h: softer and rarer combinations: exponential and p-norm unions, superelliptic
-// blends, morphs, composition over a partition of space (internal to field/).
+// field/blends.h: softer and rarer combinations: exponential and p-norm unions, intersections and
+// differences, superelliptic blends, morphs, composition over a partition of space (internal to
+// field/).
 #pragma once
 
 #include "sdfgrid/field/combinations.h"
@@ -10,13 +11,25 @@ class Field;
 
 namespace sdfgrid::ops {
 
+// The exponential smooth minimum -k log(e^(-a/k) + e^(-b/k)), without overflow. Its derivatives by
+// a and b are positive and sum to 1, so it is 1-Lipschitz. Where the distances differ by 20 k the
+// blend is below half a unit in the last place of 1, and adds exactly 0.
+template <class T>
+inline T exponential_min(const T& a, const T& b, float k) {
+  return min(a, b) - log(T(1.0F) + exp(abs(a - b) * (-1 / k))) * k;
+}
+inline constexpr double kExponentialReach = 20;  // times k
+// Farther apart than four times as much as it moves the surface by at most, a sixteenth of that is
+// left.
+inline constexpr double kExponentialLook = 4 * 0.6931472;  // times k
+
 struct ExponentialUnion {
   static constexpr OpInfo info = {
       "exponential_union",
       OpRole::combination,
       OpGuarantee::bound,
       "A union blended everywhere, the less the farther the distances are apart: -k log sum "
-      "e^(-d/k).",
+      "e^(-d/k). The order of the nodes does not matter.",
       "exponential_union: {k: 0.15, of: [{box: {size: [2, 2, 0.4]}}, {sphere: {radius: 0.7}}]}",
       "its derivatives by the nodes are positive and sum to 1"};
   static constexpr Parameter parameters[] = {size("k", 0.05, "width of the blend")};
@@ -25,21 +38,88 @@ struct ExponentialUnion {
 
   template <class T>
   T combine(const T& a, const T& b, const Point<T>&) const {
-    return min(a, b) - log(T(1.0F) + exp(abs(a - b) * (-1 / k))) * k;
+    return exponential_min(a, b, k);
   }
-  // Where the distances differ by 20 k the blend is below half a unit in the last place of 1, and
-  // adds exactly 0.
-  double reach() const { return 20.0 * k; }
+  double reach() const { return kExponentialReach * k; }
   Keep keep(const Interval& a, const Interval& b) const {
-    return (b - a).lo >= 20 * k ? Keep::first : ((a - b).lo >= 20 * k ? Keep::second : Keep::both);
+    return (b - a).lo >= reach() ? Keep::first
+                                 : ((a - b).lo >= reach() ? Keep::second : Keep::both);
   }
   bool surface_of_first(double a, double b) const { return a <= b; }
-  // Farther apart than four times as much as it lowers the surface by at most, a sixteenth of that
-  // is left.
-  Levels looks_at(const Levels& own) const { return own.wider(4 * 0.6931472 * k); }
+  Levels looks_at(const Levels& own) const { return own.wider(kExponentialLook * k); }
   double child_level(double level) const { return level + 0.6931472 * k; }
   Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
 };
+
+struct ExponentialIntersection {
+  static constexpr OpInfo info = {
+      "exponential_intersection",
+      OpRole::combination,
+      OpGuarantee::bound,
+      "An intersection rounded everywhere, the less the farther the distances are apart: k log sum "
+      "e^(d/k). The order of the nodes does not matter.",
+      "exponential_intersection: {k: 0.1, of: [{box: {size: [1.7, 1.7, 1.7]}}, {sphere: {radius: "
+      "1}}]}",
+      "the complement of exponential_union of complements"};
+  static constexpr Parameter parameters[] = {size("k", 0.05, "width of the rounding")};
+  static constexpr bool kConvex = true;
+  float k;
+
+  template <class T>
+  T combine(const T& a, const T& b, const Point<T>&) const {
+    return -exponential_min(-a, -b, k);
+  }
+  Keep keep(const Interval& a, const Interval& b) const {
+    const double reach = kExponentialReach * k;
+    return (a - b).lo >= reach ? Keep::first : ((b - a).lo >= reach ? Keep::second : Keep::both);
+  }
+  bool surface_of_first(double a, double b) const { return a >= b; }
+  Levels looks_at(const Levels& own) const { return own.wider(kExponentialLook * k); }
+  Box bounds(const Box& a, const Box& b) const { return common_box(a, b); }
+};
+
+struct ExponentialDifference {
+  static constexpr OpInfo info = {
+      "exponential_difference",
+      OpRole::combination,
+      OpGuarantee::bound,
+      "The first node without the others, rounded everywhere, the less the farther the distances "
+      "are apart. The order of the others does not matter.",
+      "exponential_difference: {k: 0.1, of: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: "
+      "0.9}}]}",
+      "exponential_intersection with the complement of the others"};
+  static constexpr Parameter parameters[] = {size("k", 0.05, "width of the rounding")};
+  static constexpr bool kConvex = true;
+  static constexpr bool kTurnsLast = true;
+  static constexpr const char* kRest = "exponential_union";
+  float k;
+
+  template <class T>
+  T combine(const T& a, const T& b, const Point<T>&) const {
+    return -exponential_min(-a, b, k);
+  }
+  Keep keep(const Interval& a, const Interval& b) const {
+    return (a + b).lo >= kExponentialReach * k ? Keep::first : Keep::both;
+  }
+  bool surface_of_first(double a, double b) const { return a >= -b; }
+  Levels looks_at(const Levels& own) const { return own.wider(kExponentialLook * k); }
+  Box bounds(const Box& a, const Box&) const { return a; }
+};
+
+// (a^-p + b^-p)^(-1/p) of two positive numbers, else the lesser. With m its value, its derivatives
+// (m/a)^(p+1) and (m/b)^(p+1) are positive and sum to at most (m/a)^p + (m/b)^p = 1.
+template <class T>
+inline T pnorm_min(const T& a, const T& b, float p) {
+  const T least = min(a, b);
+  const T most = max(max(a, b), T(1e-12F));
+  const T ratio = positive(least) / most;
+  return select(least > T(0.0F), least * pow(T(1.0F) + pow(ratio, p), -1 / p), least);
+}
+
+// How much farther than to a level it looks at its nodes there.
+inline double pnorm_look(double level, double p) {
+  return 4 * (std::exp2(1 / p) - 1) * std::fmax(level, 0);
+}
 
 struct PNormUnion {
   static constexpr OpInfo info = {
@@ -57,10 +137,7 @@ struct PNormUnion {
 
   template <class T>
   T combine(const T& a, const T& b, const Point<T>&) const {
-    const T least = min(a, b);
-    const T most = max(max(a, b), T(1e-12F));
-    const T ratio = positive(least) / most;
-    return select(least > T(0.0F), least * pow(T(1.0F) + pow(ratio, p), -1 / p), least);
+    return pnorm_min(a, b, p);
   }
   Keep keep(const Interval& a, const Interval& b) const {
     // Inside, the other node does not matter.
@@ -71,10 +148,64 @@ struct PNormUnion {
   double child_level(double level) const {
     return level > 0 ? level * std::pow(2.0, 1.0 / static_cast<double>(p)) : level;
   }
-  Levels looks_at(const Levels& own) const {
-    return own.wider(std::fmax(4 * (child_level(own.hi) - own.hi), 0));
-  }
+  Levels looks_at(const Levels& own) const { return own.wider(pnorm_look(own.hi, p)); }
   Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
+};
+
+struct PNormIntersection {
+  static constexpr OpInfo info = {
+      "pnorm_intersection",
+      OpRole::combination,
+      OpGuarantee::bound,
+      "An intersection whose inner offset surfaces are rounded: -(|a|^-p + |b|^-p)^(-1/p) inside, "
+      "the plain intersection outside any node. The surface itself is that of the intersection; "
+      "offset it inwards to see the blend.",
+      "offset: {by: -0.2, of: {pnorm_intersection: {p: 3, of: [{box: {size: [2, 2, 2]}}, {sphere: "
+      "{radius: 1.3}}]}}}",
+      "the complement of pnorm_union of complements"};
+  static constexpr Parameter parameters[] = {number("p", 4, 1, 64, "the larger the sharper")};
+  static constexpr bool kConvex = true;
+  float p;
+
+  template <class T>
+  T combine(const T& a, const T& b, const Point<T>&) const {
+    return -pnorm_min(-a, -b, p);
+  }
+  Keep keep(const Interval& a, const Interval& b) const {
+    return a.lo >= 0 && a.lo > b.hi ? Keep::first
+                                    : (b.lo >= 0 && b.lo > a.hi ? Keep::second : Keep::both);
+  }
+  bool surface_of_first(double a, double b) const { return a >= b; }
+  Levels looks_at(const Levels& own) const { return own.wider(pnorm_look(-own.lo, p)); }
+  Box bounds(const Box& a, const Box& b) const { return common_box(a, b); }
+};
+
+struct PNormDifference {
+  static constexpr OpInfo info = {
+      "pnorm_difference",
+      OpRole::combination,
+      OpGuarantee::bound,
+      "The first node without the others, its inner offset surfaces rounded. The surface itself is "
+      "that of the difference; offset it inwards to see the blend.",
+      "offset: {by: -0.12, of: {pnorm_difference: {p: 3, of: [{box: {size: [2, 2, 2]}}, "
+      "{translate: {by: [0, 0, 1], of: {sphere: {radius: 0.7}}}}]}}}",
+      "pnorm_intersection with the complement of the others"};
+  static constexpr Parameter parameters[] = {number("p", 4, 1, 64, "the larger the sharper")};
+  static constexpr bool kConvex = true;
+  static constexpr bool kTurnsLast = true;
+  static constexpr const char* kRest = "pnorm_union";
+  float p;
+
+  template <class T>
+  T combine(const T& a, const T& b, const Point<T>&) const {
+    return -pnorm_min(-a, b, p);
+  }
+  Keep keep(const Interval& a, const Interval& b) const {
+    return a.lo >= 0 && a.lo > -b.lo ? Keep::first : Keep::both;
+  }
+  bool surface_of_first(double a, double b) const { return a >= -b; }
+  Levels looks_at(const Levels& own) const { return own.wider(pnorm_look(-own.lo, p)); }
+  Box bounds(const Box& a, const Box&) const { return a; }
 };
 
 // An op that has kTwo takes two nodes, no more: joined with a third in another order it would be
@@ -239,6 +370,7 @@ struct Partition {
   Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
 };
 
-using Blends = OpList<ExponentialUnion, PNormUnion, Blend, Morph, SpatialMorph, Partition>;
+using Blends = OpList<ExponentialUnion, ExponentialIntersection, ExponentialDifference, PNormUnion,
+                      PNormIntersection, PNormDifference, Blend, Morph, SpatialMorph, Partition>;
 
 }  // namespace sdfgrid::ops

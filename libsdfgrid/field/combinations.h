@@ -2,7 +2,8 @@
 // operand is the whole result over a box, so that pruning may drop the other; surface_of_first()
 // whose surface a point belongs to; bounds() where the result is below a level, from where the
 // operands are below child_level(level). What joins many nodes says reach(): an operand that is
-// larger than the other by so much changes nothing.
+// larger than the other by so much changes nothing. What takes nodes away from the first says
+// kRest: the word of the op that joins those.
 #pragma once
 
 #include "sdfgrid/core/lattice.h"
@@ -80,6 +81,7 @@ struct Difference {
       ""};
   static constexpr bool kConvex = true;
   static constexpr bool kTurnsLast = true;
+  static constexpr const char* kRest = "union";
 
   template <class T>
   T combine(const T& a, const T& b, const Point<T>&) const {
@@ -105,7 +107,9 @@ struct SmoothUnion {
       "smooth_union",
       OpRole::combination,
       OpGuarantee::bound,
-      "A union with a fillet wherever two nodes' distances differ by less than k.",
+      "A union with a fillet wherever two nodes' distances differ by less than k. More than two "
+      "nodes are joined in pairs, halves of the list first: where three fillets meet their order "
+      "matters a little. Nest it to say which are joined first; exponential_union has no order.",
       "smooth_union: {k: 0.5, of: [{box: {size: [2, 2, 0.4]}}, {sphere: {radius: 0.7}}]}",
       "quadratic polynomial smooth minimum"};
   static constexpr Parameter parameters[] = {size("k", 0.1, "width of the blend")};
@@ -132,7 +136,10 @@ struct SmoothIntersection {
       "smooth_intersection",
       OpRole::combination,
       OpGuarantee::bound,
-      "An intersection with its edges rounded where the distances differ by less than k.",
+      "An intersection with its edges rounded where the distances differ by less than k. Where "
+      "more "
+      "than two nodes meet their order matters a little, as in smooth_union; "
+      "exponential_intersection has no order.",
       "smooth_intersection: {k: 0.3, of: [{box: {size: [1.7, 1.7, 1.7]}}, {sphere: {radius: 1}}]}",
       "quadratic polynomial smooth maximum"};
   static constexpr Parameter parameters[] = {size("k", 0.1, "width of the rounding")};
@@ -156,12 +163,14 @@ struct SmoothDifference {
       "smooth_difference",
       OpRole::combination,
       OpGuarantee::bound,
-      "The first node without the others, the new edges rounded.",
+      "The first node without the others, the new edges rounded. The others are joined by "
+      "smooth_union; exponential_difference has no order.",
       "smooth_difference: {k: 0.3, of: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: 0.9}}]}",
       "quadratic polynomial smooth maximum"};
   static constexpr Parameter parameters[] = {size("k", 0.1, "width of the rounding")};
   static constexpr bool kConvex = true;
   static constexpr bool kTurnsLast = true;
+  static constexpr const char* kRest = "smooth_union";
   float k;
 
   template <class T>

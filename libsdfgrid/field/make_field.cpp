@@ -36,13 +36,6 @@ void append_joined(Draft& draft, std::span<const Field> of, const Instruction& j
   draft.code.push_back(join);
 }
 
-// The op that joins the rest of a difference.
-int rest_number(int number) {
-  if (number == op_number("difference")) return op_number("union");
-  if (number == op_number("smooth_difference")) return op_number("smooth_union");
-  return number;
-}
-
 void append_combination(Draft& draft, int number, const std::vector<Argument>& arguments,
                         std::span<const Field> of) {
   Instruction last = add_op(draft, number, arguments);
@@ -51,7 +44,8 @@ void append_combination(Draft& draft, int number, const std::vector<Argument>& a
     return registry()[op].reach != nullptr && nodes >= kManyNodes;
   };
   if (many(number, of.size())) return append_union_tree(draft, of, last);
-  const int rest = rest_number(number);
+  const char* const rest_word = registry()[number].rest;
+  const int rest = rest_word == nullptr ? number : op_number(rest_word);
   if (rest == number || of.size() < 3) return append_joined(draft, of, last);
   Instruction join = add_op(draft, rest, arguments);
   join.step = Step::combine;

@@ -36,6 +36,8 @@ struct RegisteredOp {
   double (*similarity)(const float* constants) = nullptr;
   // Of combinations: see combinations.h; null where nothing is too far away to matter.
   double (*reach)(const float* constants) = nullptr;
+  // The op that joins what is taken away from the first node; null if nothing is.
+  const char* rest = nullptr;
 };
 
 // By op number; places that no op has are empty (entry.info is null).

@@ -7,7 +7,8 @@ foreach(isa IN LISTS SDFGRID_ISAS)
 endforeach()
 
 # Analytic fields: every op of the list against brute force and the other readings.
-sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/exact_test.cpp
+sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/blends_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/exact_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/examples.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/field_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/formula_safety_test.cpp
