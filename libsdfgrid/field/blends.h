@@ -319,8 +319,8 @@ struct SpatialMorph {
   }
   // The weight w in [0, 1] leaves |da| (1 - w) + |db| w <= 1; its own slope comes on top.
   double slope(const Interval& a, double slope_a, const Interval& b, double slope_b,
-               const Point<Interval>& p, double stretch) const {
-    const double own = std::hypot(axis[0], axis[1], axis[2]) * stretch;
+               const Point<Interval>& p) const {
+    const double own = std::hypot(axis[0], axis[1], axis[2]);
     const Interval t = dot(axis, minus(p, from));
     const bool flat = t.lo >= 1 || t.hi <= 0;
     const double other = flat ? 0 : magnitude(b - a) * own;
@@ -362,8 +362,8 @@ struct Partition {
     return min(min(max(a, h), max(b, -h)), max(a, b));
   }
   double slope(const Interval&, double slope_a, const Interval&, double slope_b,
-               const Point<Interval>&, double stretch) const {
-    return std::fmax(stretch, std::fmax(slope_a, slope_b));
+               const Point<Interval>&) const {
+    return std::fmax(1.0, std::fmax(slope_a, slope_b));
   }
   Keep keep(const Interval&, const Interval&) const { return Keep::both; }
   bool surface_of_first(double a, double b) const { return a <= b; }

@@ -41,8 +41,8 @@ struct NoiseDisplacement {
   T value(const T& d, const Point<T>& p) const {
     return (d - noise.value(p)) * scale;
   }
-  double slope(const Interval&, double slope, const Point<Interval>&, double stretch) const {
-    return (slope + noise.slope() * stretch) * scale;
+  double slope(const Interval&, double slope, const Point<Interval>&) const {
+    return (slope + noise.slope()) * scale;
   }
   double child_level(double level) const { return level / scale + noise.largest() * 1.0001; }
   Levels looks_at(const Levels& own) const {
@@ -144,8 +144,8 @@ struct TextureDisplacement {
     const T v = (T(0.5F) - p.y * (1 / size[1])) * height;
     return (d - texture(t, u, v) * amplitude) * scale;
   }
-  double slope(const Interval&, double slope, const Point<Interval>&, double stretch) const {
-    return (slope + steepness * stretch) * scale;
+  double slope(const Interval&, double slope, const Point<Interval>&) const {
+    return (slope + steepness) * scale;
   }
   Levels looks_at(const Levels& own) const {
     const double furthest =

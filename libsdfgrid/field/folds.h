@@ -153,9 +153,9 @@ struct Repeat {
     return min(own, positive(wall) + gap);
   }
   double stretch(const Point<Interval>&) const { return 1; }
-  double slope(const Interval& d, double slope, const Point<Interval>&, double stretch) const {
+  double slope(const Interval& d, double slope, const Point<Interval>&) const {
     const bool own = shift[0] + shift[1] + shift[2] == 0;
-    return own && d.hi < gap ? slope : std::fmax(stretch, slope);
+    return own && d.hi < gap ? slope : std::fmax(1.0, slope);
   }
   // Values below that are a node's, or larger than one's.
   double exact_below() const {

@@ -7,7 +7,8 @@
 //   range        T value(T d, Point<T>)
 //   domain       Point<T> inside(Point<T>), and T value(T d, Point<T> outside) if the value changes
 // each a template over the number type, with one more argument (data, count) if the op has a list.
-// A leaf may say kConvexSolid: along any line its value is a convex function.
+// A leaf may say kConvexSolid: along any line its value is a convex function. What has a slope() in
+// closed form may say kDerivatives: those of its formula over intervals hold, too.
 // For ordinary code only, never for kernels: void prepare(Data), and Box bounds(children...): where
 // the value is below a level, given where the children are below child_level(level). What of its
 // nodes' values matters for its own to be right at some is looks_at(levels), or of those where

@@ -19,6 +19,7 @@ struct Region {
                                              sizes("half", 1, "half its edges"),
                                              number("scale", 1, 0, kAny, "1 / gradient")};
   static constexpr bool kLeaves = true;
+  static constexpr bool kDerivatives = true;
   float center[3], half[3];
   float scale;
 
@@ -44,13 +45,12 @@ struct Region {
     return scale == 1 && depth_in(p).hi < std::fmin(d.lo, 0.0);
   }
   double stretch(const Point<Interval>&) const { return 1; }
-  // The slope of value() over the box p, where that of d is `slope`. The distance to the region is
-  // as steep as the space around it is stretched, and the node times `scale` nowhere steeper.
-  double slope(const Interval& d, double slope, const Point<Interval>& p, double stretch) const {
+  // The slope of value() over the box p, where that of d is `slope`. The distance to the region has
+  // slope 1, and the node times `scale` nowhere more.
+  double slope(const Interval& d, double slope, const Point<Interval>& p) const {
     const Interval depth = depth_in(p);
-    const double scaled = std::fmin(slope * scale, stretch);
     const bool deep = depth.hi < 0 && (d * Interval(scale)).lo > depth.hi;
-    return deep ? scaled : stretch;
+    return deep ? std::fmin(slope * scale, 1.0) : 1;
   }
   // What value() calls depth, over a box.
   Interval depth_in(const Point<Interval>& p) const {

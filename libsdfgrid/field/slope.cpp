@@ -1,7 +1,7 @@
-// The Lipschitz reading of a program: of each value its interval over the box and a bound on its
-// gradient, of each point how far the maps above it stretch a vector. What an op contributes is
-// known by proof (1-Lipschitz leaves, convex combinations), in closed form (stretch, slope), or
-// comes from its formula over intervals with derivatives.
+// The Lipschitz reading of a program: of each value its interval over the box, its derivatives by
+// the point that it is a function of, and a bound on their norm. What an op contributes is known by
+// proof (1-Lipschitz leaves, convex combinations), in closed form (stretch, slope, pulled_back), or
+// comes from its formula over intervals with derivatives; where there are several, all hold.
 #include "sdfgrid/field/slope.h"
 
 #include <algorithm>
@@ -17,83 +17,111 @@ namespace {
 
 using namespace ops;
 
-struct Steep {
-  Interval value;
-  double slope;  // bound on |grad value| in world space
-};
-struct Place {
-  Point<Interval> p;
-  double stretch;  // bound on |dp/dworld|
-};
+// A value over a box, its derivatives, and what is known of their norm.
+using Steep = Dual<Interval, 3>;
 
-// How one op changes slopes.
+// How one op changes slopes; those that its role lacks are null.
 struct SlopeOps {
-  double (*leaf)(const float* c, Data data, const Point<Interval>& p) = nullptr;
-  double (*combine)(const float* c, const Steep& a, const Steep& b, const Place& at) = nullptr;
-  double (*value)(const float* c, Data data, const Steep& d, const Place& at) = nullptr;
-  double (*stretch)(const float* c, const Point<Interval>& p) = nullptr;
+  Steep (*leaf)(const float* c, Data data, const Point<Interval>& p) = nullptr;
+  Steep (*combine)(const float* c, const Steep& a, const Steep& b,
+                   const Point<Interval>& p) = nullptr;
+  Steep (*value)(const float* c, Data data, const Steep& d, const Point<Interval>& p) = nullptr;
+  Point<Steep> (*inside)(const float* c, const Point<Interval>& p) = nullptr;
+  // The node's value `d` at `inside`, as one of the point p outside.
+  Steep (*pull_back)(const float* c, const Steep& d, const Point<Steep>& inside,
+                     const Point<Interval>& p) = nullptr;
 };
 
 template <int N>
-Point<Dual<Interval, N>> variables(const Point<Interval>& p, int first) {
+Point<Dual<Interval, N>> variables(const Point<Interval>& p) {
   using D = Dual<Interval, N>;
-  return {D::variable(p.x, first), D::variable(p.y, first + 1), D::variable(p.z, first + 2)};
+  return {D::variable(p.x, 0), D::variable(p.y, 1), D::variable(p.z, 2)};
 }
 
 // 0 * infinity is 0 here: what is not used may be as steep as it likes.
 double times(double a, double b) { return product(a, b); }
 
+// These derivatives, none of which is more than the norm may be.
+template <class F>
+Steep steep(const F& derivative, double most) {
+  return Steep::make(Interval(0), [&](int i) { return meet(derivative(i), Interval(-most, most)); },
+                     {most});
+}
+// Of which no more is known.
+Steep no_steeper(double most) {
+  return steep([&](int) { return Interval(-most, most); }, most);
+}
+double most_of(const Steep& d) { return d.steepness.most; }
+
 template <class Op>
-double leaf_slope(const float* c, Data data, const Point<Interval>& p) {
-  if constexpr (Op::info.guarantee != OpGuarantee::computed) {
-    return 1;
+Steep leaf_slope(const float* c, Data data, const Point<Interval>& p) {
+  constexpr bool bounded = Op::info.guarantee != OpGuarantee::computed;
+  // Formulas of other leaves are long, and nothing is gained.
+  constexpr bool simple = !bounded || requires { Op::kConvexSolid; };
+  const double most = bounded ? 1 : kInfinity;
+  if constexpr (simple) {
+    const Steep r = leaf_value(load_op<Op>(c), variables<3>(p), data);
+    return steep([&](int i) { return r.d[i]; }, lesser(most, most_of(r)));
   } else {
-    return leaf_value(load_op<Op>(c), variables<3>(p, 0), data).steepness.most;
+    return no_steeper(most);
+  }
+}
+
+// No larger than the larger of two, weighted by numbers that are positive and sum to at most 1.
+Steep weighted(const Steep& a, const Steep& b) {
+  const double most = greater(most_of(a), most_of(b));
+  return steep([&](int i) { return hull(Interval(0), hull(a.d[i], b.d[i])); }, most);
+}
+
+template <class Op>
+Steep combined_slope(const float* c, const Steep& a, const Steep& b, const Point<Interval>& p) {
+  const Op op = load_op<Op>(c);
+  if constexpr (requires { Op::kConvex; }) {
+    const Keep keep = op.keep(a.v, b.v);
+    if (keep != Keep::both) return keep == Keep::first ? a : b;
+    return weighted(
+        a, requires { Op::kRest; } ? -b : b);
+  } else if constexpr (requires { op.slope(a.v, 1.0, b.v, 1.0, p); }) {
+    return no_steeper(op.slope(a.v, most_of(a), b.v, most_of(b), p));
+  } else {
+    static_assert(
+        requires { Op::kConvex; }, "say kConvex or slope()");
   }
 }
 
 template <class Op>
-double combined_slope(const float* c, const Steep& a, const Steep& b, const Place& at) {
+Steep value_slope(const float* c, Data data, const Steep& d, const Point<Interval>& p) {
   const Op op = load_op<Op>(c);
-  if constexpr (requires { Op::kConvex; }) {
-    const Keep keep = op.keep(a.value, b.value);
-    if (keep != Keep::both) return keep == Keep::first ? a.slope : b.slope;
-    return std::fmax(a.slope, b.slope);
-  } else if constexpr (requires { op.slope(a.value, 1.0, b.value, 1.0, at.p, 1.0); }) {
-    return op.slope(a.value, a.slope, b.value, b.slope, at.p, at.stretch);
+  if constexpr (
+      requires { op.slope(d.v, 1.0, p); } && !requires { Op::kDerivatives; }) {
+    return no_steeper(op.slope(d.v, most_of(d), p));
   } else {
-    using D = Dual<Interval, 5>;
-    const D r = op.combine(D::variable(a.value, 3), D::variable(b.value, 4), variables<5>(at.p, 0));
-    return times(magnitude(r.d[3]), a.slope) + times(magnitude(r.d[4]), b.slope) +
-           times(norm(r.d.data(), 3), at.stretch);
-  }
-}
-
-template <class Op>
-double value_slope(const float* c, Data data, const Steep& d, const Place& at) {
-  const Op op = load_op<Op>(c);
-  if constexpr (requires { Op::kConvex; }) {
-    return d.slope;
-  } else if constexpr (requires { op.slope(d.value, d.slope, at.p); }) {
-    return op.slope(d.value, d.slope, at.p);
-  } else if constexpr (requires { op.slope(d.value, d.slope, at.p, at.stretch); }) {
-    return op.slope(d.value, d.slope, at.p, at.stretch);
-  } else {
+    // Of the point and of the value: the chain rule with its derivatives, and with its norm.
     using D = Dual<Interval, 4>;
-    const D r = changed_value(op, D::variable(d.value, 3), variables<4>(at.p, 0), data);
-    return times(magnitude(r.d[3]), d.slope) + times(norm(r.d.data(), 3), at.stretch);
+    const D r = changed_value(op, D::variable(d.v, 3), variables<4>(p), data);
+    double most = times(magnitude(r.d[3]), most_of(d)) + norm(r.d.data(), 3);
+    if constexpr (requires { Op::kConvex; }) most = lesser(most, most_of(d));
+    if constexpr (requires { Op::kDerivatives; }) most = lesser(most, op.slope(d.v, most_of(d), p));
+    return steep([&](int i) { return r.d[i] + r.d[3] * d.d[i]; }, most);
   }
 }
 
 template <class Op>
-double map_stretch(const float* c, const Point<Interval>& p) {
+Steep pulled_back(const float* c, const Steep& d, const Point<Steep>& q, const Point<Interval>& p) {
   const Op op = load_op<Op>(c);
+  double stretch = 0;
   if constexpr (requires { op.stretch(p); }) {
-    return op.stretch(p);
+    stretch = op.stretch(p);
   } else {
-    const auto q = op.inside(variables<3>(p, 0));
-    return Dual<Interval, 3>::joint(q.x, q.y, q.z).most;
+    stretch = Steep::joint(q.x, q.y, q.z).most;
   }
+  double most = times(most_of(d), stretch);
+  const Point<Interval> inside = {q.x.v, q.y.v, q.z.v};
+  if constexpr (requires { op.pulled_back(d.d, 1.0, inside, p); }) {
+    most = lesser(most, op.pulled_back(d.d, most_of(d), inside, p));
+  }
+  return steep([&](int i) { return d.d[0] * q.x.d[i] + d.d[1] * q.y.d[i] + d.d[2] * q.z.d[i]; },
+               most);
 }
 
 std::vector<SlopeOps> make_slope_ops() {
@@ -103,7 +131,12 @@ std::vector<SlopeOps> make_slope_ops() {
     if constexpr (Leaf<Op>) f.leaf = leaf_slope<Op>;
     if constexpr (Combination<Op>) f.combine = combined_slope<Op>;
     if constexpr (Range<Op> || Leaves<Op>) f.value = value_slope<Op>;
-    if constexpr (Domain<Op>) f.stretch = map_stretch<Op>;
+    if constexpr (Domain<Op>) {
+      f.inside = [](const float* c, const Point<Interval>& p) {
+        return load_op<Op>(c).inside(variables<3>(p));
+      };
+      f.pull_back = pulled_back<Op>;
+    }
   });
   return all;
 }
@@ -113,9 +146,9 @@ class SlopeReading {
   explicit SlopeReading(const Program& program) : program_(program) {}
 
   double over(const Box& box) {
-    places_.push_back({intervals(box), 1});
+    places_.push_back(variables<3>(intervals(box)));
     for (const Instruction& at : program_.code) step(at);
-    return values_.back().slope;
+    return most_of(values_.back());
   }
 
  private:
@@ -124,30 +157,38 @@ class SlopeReading {
     const SlopeOps& s = slope_ops[at.op];
     const OpFunctions<Interval>& f = interval_functions()[at.op];
     const float* c = constants_of(program_, at);
-    const Place here = places_.back();
+    const Point<Interval> here = values_of(places_.back());
     switch (at.step) {
       case Step::leaf: {
-        const Point<Interval> p = leaf_point(at, here.p);
-        values_.push_back({leaf_interval(program_, at, p),
-                           times(s.leaf(c, data_of(program_, at), p), here.stretch)});
-      } break;
+        const Point<Interval> p = leaf_point(at, here);
+        push(leaf_interval(program_, at, p), s.leaf(c, data_of(program_, at), p));
+        break;
+      }
       case Step::sample:
-        values_.push_back({leaf_interval(program_, at, here.p), here.stretch});
+        push(leaf_interval(program_, at, here), no_steeper(1));
         break;
       case Step::combine: {
         const Steep b = values_.back();
         values_.pop_back();
-        Steep& a = values_.back();
-        a = {f.combine(c, a.value, b.value, here.p), s.combine(c, a, b, here)};
+        const Steep a = values_.back();
+        values_.pop_back();
+        push(f.combine(c, a.v, b.v, here), s.combine(c, a, b, here));
         break;
       }
       case Step::enter:
-        places_.push_back({f.inside(c, here.p), times(here.stretch, s.stretch(c, here.p))});
+        places_.push_back(s.inside(c, here));
         break;
-      case Step::leave:
+      case Step::leave: {
+        const Point<Steep> inside = places_.back();
         places_.pop_back();
+        const Interval value = values_.back().v;
+        const Point<Interval> outside = values_of(places_.back());
+        const Steep d = s.pull_back(c, values_.back(), inside, outside);
+        values_.pop_back();
+        push(value, d);
         if (f.value != nullptr) change(at, f, s, c);
         break;
+      }
       case Step::range:
         change(at, f, s, c);
         break;
@@ -155,14 +196,21 @@ class SlopeReading {
   }
   void change(const Instruction& at, const OpFunctions<Interval>& f, const SlopeOps& s,
               const float* c) {
-    Steep& d = values_.back();
+    const Steep d = values_.back();
+    values_.pop_back();
     const Data data = data_of(program_, at);
-    d = {f.value(c, data, d.value, places_.back().p), s.value(c, data, d, places_.back())};
+    const Point<Interval> here = values_of(places_.back());
+    push(f.value(c, data, d.v, here), s.value(c, data, d, here));
   }
+  void push(const Interval& value, const Steep& derivatives) {
+    values_.push_back(derivatives);
+    values_.back().v = value;
+  }
+  static Point<Interval> values_of(const Point<Steep>& p) { return {p.x.v, p.y.v, p.z.v}; }
 
   const Program& program_;
   std::vector<Steep> values_;
-  std::vector<Place> places_;
+  std::vector<Point<Steep>> places_;
 };
 
 struct Cell {

@@ -3,7 +3,10 @@
 // box, in closed form; tests hold that against finite differences.
 #pragma once
 
+#include <array>
+
 #include "sdfgrid/field/domains.h"
+#include "sdfgrid/field/steepness.h"
 
 namespace sdfgrid::ops {
 
@@ -14,6 +17,12 @@ inline Box turned_about_z(const Box& a) {
   const double y = std::fmax(std::fabs(a.lo.y), std::fabs(a.hi.y));
   const double r = std::sqrt(x * x + y * y);
   return {glm::dvec3(-r, -r, a.lo.z), glm::dvec3(r, r, a.hi.z)};
+}
+
+// What a function of gradient n rises at q for a turn of the space around it at `rate`.
+inline Interval rise_of_turning(const std::array<Interval, 3>& n, const Point<Interval>& q,
+                                float rate) {
+  return (n[0] * q.y - n[1] * q.x) * rate;
 }
 
 struct Twist {
@@ -40,6 +49,13 @@ struct Twist {
   double stretch(const Point<Interval>& p) const {
     const double k = length(p.x, p.y).hi * std::fabs(rate);
     return 0.5 * (k + std::sqrt(k * k + 4));
+  }
+  // The norm of a gradient n of the node at q, seen from outside: along x and y it is turned, along
+  // z the turning adds what n rises along the circle through q.
+  double pulled_back(const std::array<Interval, 3>& n, double most, const Point<Interval>& q,
+                     const Point<Interval>&) const {
+    const double across = std::fmin(norm(n.data(), 2), most);
+    return std::hypot(across, magnitude(n[2] + rise_of_turning(n, q, rate)));
   }
   Box bounds(const Box& a) const { return turned_about_z(a); }
 };
@@ -76,6 +92,16 @@ struct Bend {
       largest = std::fmax(largest, std::sqrt(0.5 * (trace + std::sqrt(discriminant))));
     }
     return largest;
+  }
+  // As of Twist, but what the turning adds is along x.
+  double pulled_back(const std::array<Interval, 3>& n, double most, const Point<Interval>& q,
+                     const Point<Interval>& p) const {
+    const Interval rise = rise_of_turning(n, q, rate);
+    const double whole = std::fmin(norm(n.data(), 3), most);
+    const Interval along =
+        meet(n[0] * cos(p.x * rate) - n[1] * sin(p.x * rate), Interval(-whole, whole));
+    const double square_norm = whole * whole + (rise * (along * 2.0F + rise)).hi;
+    return std::sqrt(std::fmax(square_norm, 0));
   }
   Box bounds(const Box& a) const { return turned_about_z(a); }
 };

@@ -326,16 +326,10 @@ FreeWays FieldMarch::ways_of(std::span<const std::uint32_t> list, const StepRule
     const glm::dvec3 along(g.rays->along[0][i], g.rays->along[1][i], g.rays->along[2][i]);
     const glm::dvec3 start(g.rays->start[0][i], g.rays->start[1][i], g.rays->start[2][i]);
     const glm::dvec3 p = start + (g.base + double(g.next[i])) * along;
-    const LocalBounds::Cell cell = rules_.bounds->at(p);
-    if (!(cell.slope < 1)) continue;
-    const double free = double(ahead[k]) / cell.slope;
-    const auto way = [&](double direction) {
-      const double leaves = clip({p, direction * along}, cell.box).to;
-      return std::max(ahead[k], static_cast<float>(std::min(free, leaves)));
-    };
-    back[k] = way(-1);
-    ahead[k] = way(1);
-    surface[k] = static_cast<float>(free);
+    const LocalBounds::Free free = rules_.bounds->free(p, along, double(ahead[k]));
+    ahead[k] = static_cast<float>(free.ahead);
+    surface[k] = static_cast<float>(free.surface);
+    back[k] = static_cast<float>(free.back);
   }
   return {ahead, surface, back};
 }

@@ -54,7 +54,7 @@ FieldTracer::FieldTracer(const Field& field, const Box& region, FieldTraceOption
       crowded_ = options.prune && is_crowd(*objects_, region);
     }
   }
-  constexpr int kLevels = 5;
+  constexpr int kLevels = 6;
   if (options.local_bounds && !objects_) bounds_ = useful_bounds(field_, region_, kLevels);
 }
 
