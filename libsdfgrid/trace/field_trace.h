@@ -63,7 +63,8 @@ class FieldTracer {
   void trace(std::span<const Ray> rays, double tolerance, std::span<float> depth,
              std::span<std::uint16_t> steps) const;
 
-  // First hits of the rays through the pixel centres, each within a fiftieth of a pixel's width.
+  // First hits of the rays through the pixel centres, each where less than a fiftieth of a pixel's
+  // width is known to be free.
   [[nodiscard]] HitBuffer trace_primary(const Camera& camera, const Job& job) const;
 
   [[nodiscard]] const Field& field() const { return field_; }
