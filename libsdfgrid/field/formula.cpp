@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "sdfgrid/core/error.h"
@@ -117,7 +118,7 @@ class Parser {
       const std::size_t place = at_;
       if (!next_is("**") && take("*")) {
         signed_power();
-        two(FormulaOp::multiply, place);
+        multiply(place);
       } else if (take("/")) {
         signed_power();
         two(FormulaOp::divide, place);
@@ -337,6 +338,17 @@ class Parser {
     } else {
       emit({op, number}, place);
     }
+  }
+  void multiply(std::size_t place) {
+    const std::size_t second = start_of_last(code_);
+    const std::size_t first = start_of_last(CodeSpan(code_).first(second));
+    const CodeSpan both = CodeSpan(code_).subspan(first);
+    const std::optional<Codes> product =
+        without_sign(both.first(second - first), both.subspan(second - first));
+    if (!product) return two(FormulaOp::multiply, place);
+    code_.resize(first);
+    stack_ -= 2;
+    for (const Code& c : *product) emit(c, place);
   }
   void two(FormulaOp op, std::size_t place) {
     const std::size_t n = code_.size();

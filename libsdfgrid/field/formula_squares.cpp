@@ -66,4 +66,39 @@ bool roots_of_squares(std::span<const FormulaStep> code, std::vector<FormulaStep
   return root.has_value();
 }
 
+std::optional<FormulaSteps> without_sign(CodeSpan a, CodeSpan b) {
+  if (a.back().op == FormulaOp::sign_of) std::swap(a, b);
+  if (b.back().op != FormulaOp::sign_of) return {};
+  const CodeSpan u = b.first(b.size() - 1);
+  FormulaSteps absolute(u.begin(), u.end());
+  absolute.push_back({FormulaOp::absolute, 0});
+  if (std::ranges::equal(a, u)) return absolute;
+  if (a.back().op == FormulaOp::multiply) {  // of more factors one is enough
+    const auto [first, second] = both_of(a);
+    for (const auto& [with, rest] : {std::pair(second, first), std::pair(first, second)}) {
+      std::optional<FormulaSteps> product = without_sign(with, b);
+      if (!product) continue;
+      product->insert(product->end(), rest.begin(), rest.end());
+      product->push_back({FormulaOp::multiply, 0});
+      return product;
+    }
+    return {};
+  }
+  const FormulaStep power = a.back();
+  const bool raised = power.op == FormulaOp::raise || power.op == FormulaOp::power_of;
+  if (!raised || power.number < 2) return {};
+  const CodeSpan base = a.first(a.size() - 1);
+  const bool of_absolute = std::ranges::equal(base, absolute);
+  if (!of_absolute && !std::ranges::equal(base, u)) return {};
+  FormulaSteps product(base.begin(), base.end());
+  if (power.number != 2) product.push_back({power.op, power.number - 1});
+  if (of_absolute) {
+    product.insert(product.end(), u.begin(), u.end());
+  } else {
+    product.insert(product.end(), absolute.begin(), absolute.end());
+  }
+  product.push_back({FormulaOp::multiply, 0});
+  return product;
+}
+
 }  // namespace sdfgrid

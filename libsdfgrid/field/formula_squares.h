@@ -1,7 +1,8 @@
-// field/formula_squares.h: formulas as steps of postfix code while they are read, and sums of
-// squares among them (internal to field/).
+// field/formula_squares.h: formulas as steps of postfix code while they are read, and what is found
+// among them: sums of squares, and products that take the jump out of a sign (internal to field/).
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,5 +25,11 @@ using FormulaSteps = std::vector<FormulaStep>;
 // itself, of constants from 0 on.
 [[nodiscard]] bool roots_of_squares(std::span<const FormulaStep> code,
                                     std::vector<FormulaSteps>& roots);
+
+// The code of a product of two, one of them sign(u), the other a power of u or of |u| or a product
+// with such, without the sign: u sign(u) is |u|, u^n sign(u) is u^(n-1) |u|, and |u|^n sign(u) is
+// |u|^(n-1) u, none of which jump. Nothing if the two are something else.
+[[nodiscard]] std::optional<FormulaSteps> without_sign(std::span<const FormulaStep> a,
+                                                       std::span<const FormulaStep> b);
 
 }  // namespace sdfgrid

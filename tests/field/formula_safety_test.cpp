@@ -181,6 +181,17 @@ TEST(FormulaSafety, JumpsAreRefusedByName) {
     EXPECT_LE(pair_excess(certified(f, around), cube(2)), kRounding) << f;
   }
   EXPECT_EQ(refusal("floor(x) + y", {{0, -1, -1}, {0.9, 1, 1}}), "");
+  // A factor that is 0 where the sign jumps takes the jump out.
+  for (const char* f : {"y*sign(y) - x + 0.3", "sign(y - z) * (y - z) + x - 1",
+                        "2*y*z*sign(z) - 0.1", "y^2*sign(y) - z", "sign(z)*z^3 + x - 1",
+                        "abs(y)^3*sign(y) + z - 0.2", "abs(y)^2.5*sign(y) + z - 0.2"}) {
+    EXPECT_EQ(refusal(f, around), "") << f;
+    EXPECT_LE(pair_excess(certified(f, around), cube(2)), kRounding) << f;
+  }
+  for (const char* f :
+       {"(y + 1)*sign(y) - x", "y*sign(z)", "y^0.5*sign(y) - x", "y^-2*sign(y) - x"}) {
+    EXPECT_NE(refusal(f, around), "") << f;
+  }
   try {
     (void)make_field("formula_displace", {{"f", "0.1*mod(4*x, 1)"}}, {make_field("sphere")});
     FAIL();

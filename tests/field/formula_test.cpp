@@ -60,6 +60,8 @@ TEST(Formula, Values) {
   EXPECT_NEAR(value("x^y", 2, 0.5), std::sqrt(2), 1e-12);
   EXPECT_NEAR(value("pow(x, 3) + x^0.5", 4), 66, 1e-12);
   EXPECT_NEAR(value("sqrt(abs(x)) * sign(x) + floor(y)", -4, 2.7), 0, 1e-12);
+  EXPECT_NEAR(value("x*sign(x) + y*y*sign(y)", -4, -2), 4 - 4, 1e-12);
+  EXPECT_NEAR(value("x^3*sign(x) + sign(y)*abs(y)^3", -4, -2), 64 - 8, 1e-12);
   EXPECT_NEAR(value("exp(log(x))", 3), 3, 1e-12);
 }
 
