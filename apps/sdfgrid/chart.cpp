@@ -88,7 +88,9 @@ Subject scene_subject(const Options& options, Context& context) {
   constexpr int kLeast = 128;
   constexpr int kMost = 512;
   Subject subject;
-  subject.field = load_scene(options.input, options.time, context).field;
+  const SceneModel scene = load_scene(options.input, options.time, context);
+  check_has_end(scene, options.input);
+  subject.field = scene.field;
   FieldConvertOptions convert;
   convert.dim =
       std::clamp(2 * *std::max_element(options.dims.begin(), options.dims.end()), kLeast, kMost);

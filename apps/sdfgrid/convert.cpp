@@ -291,6 +291,7 @@ Choice choose_scene(const SceneModel& scene, const Options& options,
 Exit run_scene(const Options& options, Context& context) {
   Stopwatch watch;
   const SceneModel scene = load_scene(options.input, options.time, context);
+  check_has_end(scene, options.input);
   watch.lap("read");
   FieldConvertOptions convert;
   convert.voxel = options.convert.voxel;

@@ -32,9 +32,11 @@ class SceneBuilder {
     }
     read_camera();
     do {
+      endless_.clear();
       std::vector<Field> nodes = fields(scene_.nodes);
       if (!nodes.empty()) model_.field = make_field("union", {}, nodes);
     } while (widen_bands());
+    if (!endless_.empty()) model_.endless = endless_.front();
     return std::move(model_);
   }
 
@@ -139,6 +141,7 @@ class SceneBuilder {
   }
 
   Field field(const SceneNode& node) {
+    const std::size_t endless_before = endless_.size();
     const std::vector<Field> of = fields(node.of);
     try {
       Field made = shape(node, of);
@@ -149,11 +152,25 @@ class SceneBuilder {
       placed("scale", node.scale);
       placed("rotate", node.rotate);
       placed("translate", node.at);
+      note_end(node, made.bounds(), endless_before);
       return made;
     } catch (const Error& e) {
       if (e.kind() != ErrorKind::input) throw;
       const std::string name = node.name.empty() ? "" : fmt::format(" (`{}`)", node.name);
       throw input_error(file_, fmt::format("line {}{}", node.place.line, name), e.what(), "");
+    }
+  }
+
+  // What is in a node with an end has one; a node without is to blame if none in it is.
+  void note_end(const SceneNode& node, const Box& box, std::size_t endless_before) {
+    int axis = -1;
+    for (int a = 0; a < 3; ++a) {
+      if (!std::isfinite(box.lo[a]) || !std::isfinite(box.hi[a])) axis = a;
+    }
+    if (box.empty() || axis < 0) {
+      endless_.resize(endless_before);
+    } else if (endless_.size() == endless_before) {
+      endless_.push_back({node.op, node.place.line, axis});
     }
   }
 
@@ -263,12 +280,22 @@ class SceneBuilder {
   SceneModel model_;
   std::map<std::string, int> tags_;
   std::map<std::string, Sampled> samplers_;  // by dim and path
+  std::vector<EndlessNode> endless_;
 };
 
 }  // namespace
 
 SceneModel build_scene(const Scene& scene, const std::string& file, double time, const Job& job) {
   return SceneBuilder(scene, file, time, job).build();
+}
+
+void check_has_end(const SceneModel& scene, const std::string& file) {
+  if (!scene.endless) return;
+  const auto& [op, line, axis] = *scene.endless;
+  throw input_error(
+      file, fmt::format("line {}", line),
+      fmt::format("`{}` has no end along {}, nor has what stands around it", op, "xyz"[axis]),
+      "intersect it with a box");
 }
 
 }  // namespace sdfgrid

@@ -19,12 +19,20 @@ struct SceneCamera {
   std::optional<double> fov;  // degrees, across the picture's height
 };
 
+// A node whose solid has no end along an axis, nor anything that stands around it.
+struct EndlessNode {
+  std::string op;
+  int line = 0;
+  int axis = 0;
+};
+
 struct SceneModel {
   Field field;  // tag_at() gives the index of a surface's material, or -1
   std::vector<Material> materials;
   SceneCamera camera;
-  bool has_grids = false;             // or meshes, whose fields are cut off at the end of a band
-  std::vector<std::string> warnings;  // of the meshes that were converted
+  bool has_grids = false;              // or meshes, whose fields are cut off at the end of a band
+  std::optional<EndlessNode> endless;  // the first one
+  std::vector<std::string> warnings;   // of the meshes that were converted
 };
 
 // The scene at `time`. Files that it names are relative to the folder of `file`, which is also its
@@ -32,5 +40,9 @@ struct SceneModel {
 // without a bound (with the op's name and the remedy), files that cannot be read.
 [[nodiscard]] SceneModel build_scene(const Scene& scene, const std::string& file, double time,
                                      const Job& job);
+
+// For what needs a scene with an end. Throws Error{input} that names the node, its line in `file`
+// and the remedy.
+void check_has_end(const SceneModel& scene, const std::string& file);
 
 }  // namespace sdfgrid

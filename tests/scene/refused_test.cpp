@@ -128,6 +128,30 @@ TEST(SceneRefused, FormulasThatAreHostile) {
   EXPECT_NE(refusal(radius("x")), "");
 }
 
+// What needs an end is told which node has none: the innermost, unless something ends it.
+TEST(SceneRefused, NodesWithoutEndByLine) {
+  const auto told = [](const std::string& nodes) -> std::string {
+    const SceneFile file = parse_scene("sdfgrid: 1\nscene:\n" + nodes, "s.yaml");
+    try {
+      check_has_end(build_scene(file.scene, "s.yaml", 0, Job()), "s.yaml");
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(told("- sphere: {}\n- difference: [{box: {}}, {plane: {}}]\n"
+                 "- intersection: [{repeat: {of: {sphere: {radius: 0.3}}}}, {box: {}}]\n"),
+            "");
+  const std::string plane = told("- sphere: {}\n- union:\n    - box: {}\n    - plane: {}\n");
+  EXPECT_NE(plane.find("s.yaml: line 6: `plane` has no end along z"), std::string::npos) << plane;
+  EXPECT_NE(plane.find("intersect it with a box"), std::string::npos) << plane;
+  const std::string copies = told("- repeat: {cell: [1, 0, 0], of: {sphere: {radius: 0.3}}}\n");
+  EXPECT_NE(copies.find("line 3: `repeat` has no end along x"), std::string::npos) << copies;
+  const std::string rest = told("- complement:\n    of:\n      sphere: {}\n");
+  EXPECT_NE(rest.find("line 3: `complement` has no end"), std::string::npos) << rest;
+}
+
 // Bytes changed, dropped and doubled: either a scene or a refusal.
 TEST(SceneRefused, MutatedTexts) {
   const std::string good =
