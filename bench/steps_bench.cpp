@@ -175,7 +175,8 @@ Difference difference(const Shot& view, const Traced& a, const Traced& b) {
     if (!differ(a.depth[i], b.depth[i], tolerance)) continue;
     ++found.pixels;
     const auto side = static_cast<std::size_t>(pixels);
-    const Ray ray = generator.ray(double(i % side) + 0.5, double(i / side) + 0.5);
+    const std::size_t row = i / side;
+    const Ray ray = generator.ray(double(i % side) + 0.5, double(row) + 0.5);
     const double root = first_root(view.field, ray, clip(ray, view.region));
     for (const Traced* made : {&a, &b}) {
       const auto depth = double(made->depth[i]);
@@ -235,7 +236,7 @@ Traced with_factor(const Shot& view, double factor) {
       std::vector<int> left;
       for (std::size_t k = 0; k < n; ++k) {
         Span& s = spans[active[k]];
-        const double r = double(c[3 * n + k]);
+        const auto r = double(c[3 * n + k]);
         if (r < 0.25 * tolerance * s.from) {
           made.depth[std::size_t(row) * pixels + active[k]] = static_cast<float>(s.from);
         } else if ((s.from += factor * r) < s.to) {
