@@ -160,8 +160,8 @@ struct Repeat {
   // Values below that are a node's, or larger than one's.
   double exact_below() const {
     double wall = kInfinity;
-    for (int i = 0; i < 3; ++i) {
-      if (cell[i] > 0) wall = std::fmin(wall, near > 0 ? 0.5 * cell[i] : 0);
+    for (const float edge : cell) {
+      if (edge > 0) wall = std::fmin(wall, near > 0 ? 0.5 * edge : 0);
     }
     return wall + gap;
   }

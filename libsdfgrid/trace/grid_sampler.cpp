@@ -63,7 +63,9 @@ class GridSampler : public Sampler {
   [[nodiscard]] double value(const glm::dvec3& p) const override {
     const glm::dvec3 place = atlas_.lattice.to_index(p) - first_;
     glm::dvec3 nearest;
-    for (int a = 0; a < 3; ++a) nearest[a] = std::fmin(std::fmax(place[a], 0.0), end_[a]);
+    for (int a = 0; a < 3; ++a) {
+      nearest[a] = place[a] > 0 ? std::min(place[a], end_[a]) : 0;  // of what is no number, too
+    }
     double voxels = in_tables(nearest);
     if (nearest != place) {
       const double there = std::max(voxels, 0.0);

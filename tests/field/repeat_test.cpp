@@ -111,6 +111,7 @@ TEST(Repeat, OfRoomyCellsAndOfLongProgramsIsOneCopy) {
   const Field ball = make_field("sphere", {{"radius", 0.3}});
   EXPECT_EQ(make_field("repeat", {{"cell", {2, 2, 2}}}, {ball}).size(), ball.size() + 2);
   std::vector<Field> many;
+  many.reserve(200);
   for (int i = 0; i < 200; ++i) {
     many.push_back(make_field("translate", {{"by", {0.001 * i, 0, 0}}}, {ball}));
   }
