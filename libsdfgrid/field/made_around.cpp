@@ -15,6 +15,7 @@
 #include "sdfgrid/field/formula.h"
 #include "sdfgrid/field/interpret.h"
 #include "sdfgrid/field/ranges.h"
+#include "sdfgrid/field/union_tree.h"
 
 namespace sdfgrid::ops {
 namespace {
@@ -146,10 +147,33 @@ Field level(const Field& node, double distance) {
   return make_unary(offset, {static_cast<float>(value_at(node, distance))}, node);
 }
 
+// The nodes of a plain union that are joined two by two, or the field itself.
+void add_nodes(const Field& field, std::vector<Field>& nodes) {
+  const std::vector<Instruction>& code = field.program().code;
+  const Instruction& last = code.back();
+  if (last.step != Step::combine || last.op != kUnionOp || has_boxes(last)) {
+    nodes.push_back(field);
+    return;
+  }
+  const auto end = code.end() - 1;
+  const auto middle = code.begin() + subtree_starts(code)[code.size() - 2];
+  for (const auto& [from, to] : {std::pair(code.begin(), middle), std::pair(middle, end)}) {
+    add_nodes(Field(std::make_shared<const Program>(
+                  make_program(std::vector<Instruction>(from, to), field.program().pool))),
+              nodes);
+  }
+}
+
 }  // namespace
 
+// Outwards a union grows by what its nodes grow by, so that files in it are exact, too.
 Field Offset::make_around(const std::vector<Argument>& arguments, const Field& node) {
-  return level(node, CheckedArguments({&info, parameters}, arguments).number("by"));
+  const double by = CheckedArguments({&info, parameters}, arguments).number("by");
+  if (by <= 0 || node.program().pool->samplers.empty()) return level(node, by);
+  std::vector<Field> nodes;
+  add_nodes(node, nodes);
+  for (Field& one : nodes) one = level(one, by);
+  return make_field("union", {}, nodes);
 }
 
 Field Shell::make_around(const std::vector<Argument>& arguments, const Field& node) {

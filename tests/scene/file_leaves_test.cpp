@@ -96,6 +96,16 @@ TEST_F(SceneOfCube, OffsetsAndShellsAreWhereTheySayThroughWhatDoesNotBend) {
   }
 }
 
+TEST_F(SceneOfCube, UnionsOfFilesGrowExactly) {
+  const Field grown = field("{offset: {by: 0.3, of: {union: [" + mesh_ +
+                            ", {sphere: {radius: 0.5}, at: [3, 0, 0]}, {mesh: {file: cube.off, "
+                            "dim: 48}, at: [0, 0, 3]}]}}}");
+  EXPECT_NEAR(grown({1.3F, 0.5F, 0.5F}), 0, 2e-5);
+  EXPECT_NEAR(grown({0.5F, 0.5F, 4.3F}), 0, 2e-5);
+  EXPECT_NEAR(grown({3, 0.8F, 0}), 0, 2e-5);
+  EXPECT_LT(grown({0.5F, 0.5F, 0.5F}), -0.4);
+}
+
 // What is made of the mesh and of a box in its place, at points around: the same but for samples.
 // (Not so where an op blends by values inside, as smooth intersections do: those of files are
 // bounds, up to 1.7 times too small.)
