@@ -40,6 +40,10 @@ const char* name_of(OpGuarantee guarantee) {
   switch (guarantee) {
     case OpGuarantee::exact:
       return "exact";
+    case OpGuarantee::exact_outside:
+      return "exact outside, a bound inside";
+    case OpGuarantee::exact_inside:
+      return "exact inside, a bound outside";
     case OpGuarantee::bound:
       return "bound";
     case OpGuarantee::computed:

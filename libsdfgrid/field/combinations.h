@@ -32,8 +32,8 @@ inline Box common_box(const Box& a, const Box& b) {
 struct Union {
   static constexpr OpInfo info = {"union",
                                   OpRole::combination,
-                                  OpGuarantee::exact,
-                                  "All that is in any of the nodes. Exact outside, a bound inside.",
+                                  OpGuarantee::exact_outside,
+                                  "All that is in any of the nodes.",
                                   "union: [{sphere: {radius: 1}}, {box: {size: [3, 1, 0.6]}}]",
                                   ""};
   static constexpr bool kConvex = true;
@@ -54,8 +54,8 @@ struct Intersection {
   static constexpr OpInfo info = {
       "intersection",
       OpRole::combination,
-      OpGuarantee::bound,
-      "What is in all of the nodes. Exact inside, a bound outside.",
+      OpGuarantee::exact_inside,
+      "What is in all of the nodes.",
       "intersection: [{sphere: {radius: 1}}, {box: {size: [1.7, 1.2, 3]}}]",
       ""};
   static constexpr bool kConvex = true;
@@ -75,7 +75,7 @@ struct Difference {
   static constexpr OpInfo info = {
       "difference",
       OpRole::combination,
-      OpGuarantee::bound,
+      OpGuarantee::exact_inside,
       "The first node without all the others.",
       "difference: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: 1}}]",
       ""};

@@ -77,12 +77,13 @@ struct Plane {
 };
 
 struct Torus {
-  static constexpr OpInfo info = {"torus",
-                                  OpRole::leaf,
-                                  OpGuarantee::exact,
-                                  "A ring around the z axis.",
-                                  "torus: {major: 1, minor: 0.3}",
-                                  ""};
+  static constexpr OpInfo info = {
+      "torus",
+      OpRole::leaf,
+      OpGuarantee::exact,
+      "A ring around the z axis. Where `minor` is larger than `major` a bound inside.",
+      "torus: {major: 1, minor: 0.3}",
+      ""};
   static constexpr Parameter parameters[] = {
       size("major", 1, "radius of the circle that is the ring's core"),
       size("minor", 0.25, "radius of the ring itself")};

@@ -236,10 +236,10 @@ struct Polyhedron {
   static constexpr OpInfo info = {
       "polyhedron",
       OpRole::leaf,
-      OpGuarantee::bound,
+      OpGuarantee::exact_inside,
       "What is behind all of some planes: normals and distances in a row, [nx, ny, nz, d, ...], "
       "all "
-      "points with n . p <= d. Exact inside, a bound outside.",
+      "points with n . p <= d.",
       "polyhedron: {planes: [1, 1, 1, 0.6, -1, -1, 1, 0.6, -1, 1, -1, 0.6, 1, -1, -1, 0.6]}",
       ""};
   static constexpr bool kConvexSolid = true;
@@ -313,8 +313,9 @@ struct Bezier {
   static constexpr OpInfo info = {
       "bezier",
       OpRole::leaf,
-      OpGuarantee::exact,
-      "A tube around a Bezier curve: quadratic by three points, cubic by four.",
+      OpGuarantee::exact_outside,
+      "A tube around a Bezier curve: quadratic by three points, cubic by four. Exact inside too "
+      "where the tube does not meet itself.",
       "bezier: {points: [[-1, -0.5, 0], [0, 1.5, 0.5], [1, -0.5, 0]], radius: 0.2}",
       "quadratic: roots of the cubic in closed form; cubic: roots of the quintic by subdivision in "
       "the Bernstein basis"};

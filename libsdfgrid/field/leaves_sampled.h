@@ -14,7 +14,7 @@ namespace sdfgrid::ops {
 struct Points {
   static constexpr OpInfo info = {"points",
                                   OpRole::leaf,
-                                  OpGuarantee::exact,
+                                  OpGuarantee::exact_outside,
                                   "All that is within a radius of some points.",
                                   "points: {points: [[-0.5, 0, 0], [0.5, 0.2, 0], [0, 0.6, 0.4], "
                                   "[0, -0.5, -0.3]], radius: 0.4}",

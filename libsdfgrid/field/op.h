@@ -15,10 +15,12 @@ enum class OpRole : std::uint8_t {
 };
 
 enum class OpGuarantee : std::uint8_t {
-  exact,     // the Euclidean distance, if those of the nodes under it are
-  bound,     // never more than the distance (gradient <= 1 by proof)
-  computed,  // divided by a bound on its gradient that is computed over the node's region
-  estimate,  // a distance estimate without proof; only where the user asks for one
+  exact,          // the Euclidean distance, if those of the nodes under it are
+  exact_outside,  // that where it is positive, a bound inside
+  exact_inside,   // that where it is negative, a bound outside
+  bound,          // never more than the distance (gradient <= 1 by proof)
+  computed,       // divided by a bound on its gradient that is computed over the node's region
+  estimate,       // a distance estimate without proof; only where the user asks for one
 };
 
 enum class ParameterKind : std::uint8_t {

@@ -36,10 +36,11 @@ struct Offset {
       OpRole::range,
       OpGuarantee::bound,
       "Grows a node by a length (shrinks it by a negative one): the solid within that distance of "
-      "an "
-      "exact node, a grid or a mesh. Of a node whose distance is a bound it reaches further.",
+      "an exact node, a grid or a mesh. Of a node whose distance is a bound it reaches further. An "
+      "exact node that grows is exact outside, a convex one inside too; one that shrinks is exact "
+      "inside.",
       "offset: {by: 0.2, of: {box: {size: [1.4, 1, 0.6]}}}",
-      "Hart 1996; exact for exact convex nodes"};
+      "Hart 1996"};
   static constexpr Parameter parameters[] = {length_of("by", 0.1, "how far outwards")};
   static constexpr bool kConvex = true;
   // Of a grid or a mesh, exactly.
@@ -59,7 +60,7 @@ struct Shell {
   static constexpr OpInfo info = {
       "shell",
       OpRole::range,
-      OpGuarantee::bound,
+      OpGuarantee::exact_outside,
       "The skin of a node: all points within half the thickness of the surface of an exact node, a "
       "grid or a mesh. Of a node whose distance is a bound it is thicker.",
       "intersection: [{shell: {thickness: 0.15, of: {sphere: {radius: 1}}}}, {plane: {normal: [1, "

@@ -22,7 +22,7 @@ bool exact_outside(const Program& program) {
   static const int scale = op_number("scale");
   const auto exact = [&](const Instruction& at) {
     if (at.step == Step::leaf) {
-      return registry()[at.op].entry.info->guarantee == OpGuarantee::exact;
+      return registry()[at.op].entry.info->guarantee <= OpGuarantee::exact_outside;
     }
     if (at.step == Step::combine) return at.op == kUnionOp;
     if (at.step != Step::enter && at.step != Step::leave) return false;

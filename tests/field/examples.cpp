@@ -102,17 +102,17 @@ void numbers(const Value& v, std::vector<double>& out) {
   }
 }
 
-Field field_of(const std::string& word, const Value& v);
+ExampleNode node_of(const std::string& word, const Value& v);
 
-Field node(const Value& v) {
+ExampleNode node_of(const Value& v) {
   if (v.map.size() != 1) throw std::runtime_error("a node is one word");
-  return field_of(v.map[0].first, v.map[0].second);
+  return node_of(v.map[0].first, v.map[0].second);
 }
 
-std::vector<Field> nodes(const Value& v) {
-  std::vector<Field> of;
-  if (!v.is_list) return {node(v)};
-  for (const Value& each : v.list) of.push_back(node(each));
+std::vector<ExampleNode> nodes_of(const Value& v) {
+  std::vector<ExampleNode> of;
+  if (!v.is_list) return {node_of(v)};
+  for (const Value& each : v.list) of.push_back(node_of(each));
   return of;
 }
 
@@ -122,32 +122,39 @@ bool is_number(const std::string& s) {
   return !s.empty() && *end == 0;
 }
 
-Field field_of(const std::string& word, const Value& v) {
-  if (v.is_list) return sdfgrid::make_field(word, {}, nodes(v));
-  std::vector<Argument> arguments;
-  std::vector<Field> of;
+ExampleNode node_of(const std::string& word, const Value& v) {
+  if (v.is_list) return {word, {}, nodes_of(v)};
+  ExampleNode node{word, {}, {}};
   for (const auto& [key, each] : v.map) {
     if (key == "of") {
-      of = nodes(each);
+      node.of = nodes_of(each);
     } else if (each.is_list || is_number(each.scalar)) {
       std::vector<double> list;
       numbers(each, list);
-      arguments.emplace_back(key, list);
+      node.arguments.emplace_back(key, list);
     } else {
-      arguments.emplace_back(key, each.scalar);
+      node.arguments.emplace_back(key, each.scalar);
     }
   }
-  return sdfgrid::make_field(word, arguments, of);
+  return node;
 }
 
 }  // namespace
 
-Field read_example(const std::string& text) {
+ExampleNode read_node(const std::string& text) {
   Reader reader(text);
   const Value v = reader.map();
   reader.end();
-  return node(v);
+  return node_of(v);
 }
+
+Field make_field(const ExampleNode& node) {
+  std::vector<Field> of;
+  for (const ExampleNode& each : node.of) of.push_back(make_field(each));
+  return sdfgrid::make_field(node.word, node.arguments, of);
+}
+
+Field read_example(const std::string& text) { return make_field(read_node(text)); }
 
 namespace {
 
@@ -168,6 +175,18 @@ const char* const kForms[] = {
     "function: {f: \"0.5 + 0.2*floor(3*x)\", mode: revolve_z}",
     "bezier: {points: [[-1, 0, 0], [-0.5, 2, 0.5], [0.5, -2, 0], [1, 0, 0.3]], radius: 0.1}",
     "bezier: {points: [[0, 0, 0], [0.5, 0.05, 0], [1.2, 0, 0]], radius: 0.2}",
+    R"(points: {radius: 0.25, points: [[-0.52, 0.09, -0.26], [0.21, 0.25, -0.87], [-0.97, 0.67,
+       -0.48], [-0.53, 0.99, -0.06], [0.67, -0.05, 0.28], [-0.70, 0.27, 0.74], [0.05, 0.48,
+       0.34], [-0.87, 0.52, 0.18], [-0.40, -0.94, 0.73], [-0.05, 0.44, 0.76], [0.43, 0.84,
+       -0.21], [0.60, -0.11, 0.87], [0.76, -0.81, -0.73], [-0.57, 0.93, -0.13], [0.25, -0.40,
+       0.01], [-0.23, -0.30, 0.17], [0.17, 0.81, 0.36], [0.86, 0.71, 0.98], [0.34, -0.67,
+       0.72], [0.93, 0.81, 0.14], [0.43, -0.58, 0.66], [0.15, -0.43, -0.87], [0.71, 0.98,
+       -0.82], [0.60, -0.18, -0.70]]})",
+    "complement: {of: {box: {size: [2, 1.4, 1]}}}",
+    "shell: {thickness: 0.3, of: {torus: {major: 1, minor: 0.4}}}",
+    "repeat: {cell: [1.3, 1.6, 0], of: {capsule: {from: [-0.2, 0.3, 0], to: [0.3, 0, 1], radius: "
+    "0.2}}}",
+    "gdf: {solid: dodecahedron, exponent: inf}",
     "gdf: {solid: tetrahedron, exponent: 3}",
     "gdf: {solid: cube, exponent: 1}",
     "gdf: {solid: octahedron, exponent: 200}",
@@ -194,7 +213,8 @@ Example form(const std::string& text) {
   const sdfgrid::OpEntry* op = sdfgrid::find_op(word);
   const bool estimate = op->info->guarantee == sdfgrid::OpGuarantee::estimate ||
                         text.find("order: ") != std::string::npos;
-  return {op, read_example(text), text, word == "points" || cubic, estimate};
+  const ExampleNode node = read_node(text);
+  return {op, node, make_field(node), text, word == "points" || cubic, estimate};
 }
 
 // A surface across the box that is made of the function's values.

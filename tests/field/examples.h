@@ -6,12 +6,22 @@
 
 #include "sdfgrid/field/field.h"
 
+// A node as scenes have them: one word with its parameters, and the nodes that it works on.
+struct ExampleNode {
+  std::string word;
+  std::vector<sdfgrid::Argument> arguments;
+  std::vector<ExampleNode> of;
+};
+
 // Reads a node in YAML flow style, as the examples of ops are: a small reader of its own, so that
 // the tests of field/ need no room below it.
+ExampleNode read_node(const std::string& text);
+sdfgrid::Field make_field(const ExampleNode& node);
 sdfgrid::Field read_example(const std::string& text);
 
 struct Example {
   const sdfgrid::OpEntry* op;
+  ExampleNode node;
   sdfgrid::Field field;
   std::string text;
   bool sampled = false;   // a Sampler takes part

@@ -39,7 +39,10 @@ std::vector<Graph> graphs() {
            [](double x) { return 0.2 + 0.5 * std::fabs(3 * x - 2 * std::floor(1.5 * x) - 1); }},
           {"exp(9*x)", [](double x) { return std::exp(9 * x); }, -0.5, 0.2},
           {"0.5", [](double) { return 0.5; }},
-          {"0.4*x", [](double x) { return 0.4 * x; }}};
+          {"0.4*x", [](double x) { return 0.4 * x; }},
+          {"0.7 - 0.3*x", [](double x) { return 0.7 - 0.3 * x; }},
+          {"0.2 + 0.5*x^2", [](double x) { return 0.2 + 0.5 * x * x; }},
+          {"1 + 0.3*x - x*x/2", [](double x) { return 1 + x * (0.3 - 0.5 * x); }}};
 }
 
 struct Flat {

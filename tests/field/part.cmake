@@ -8,11 +8,13 @@ endforeach()
 
 # Analytic fields: every op of the list against brute force and the other readings.
 sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/blends_test.cpp
+sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/brute_force.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/exact_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/examples.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/field_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/formula_safety_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/formula_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/fractal_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/glsl_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/graph_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/ops_test.cpp
@@ -21,6 +23,11 @@ sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/blends_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/repeat_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/sampler_uses_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/slope_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/solids.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/solids_corners.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/solids_leaves.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/solids_nodes.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/solids_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/union_tree_test.cpp
              PACKAGES fmt::fmt field_roots)
 foreach(isa baseline avx2)
