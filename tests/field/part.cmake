@@ -17,6 +17,7 @@ sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/brute_force.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/fractal_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/glsl_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/graph_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/noise_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/ops_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/pairs.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/roots_test.cpp
