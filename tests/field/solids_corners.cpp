@@ -145,14 +145,15 @@ double size_of(const Quaternion& z) {
   return std::sqrt(z[0] * z[0] + z[1] * z[1] + z[2] * z[2] + z[3] * z[3]);
 }
 
-// Whether the orbit of z under z^2 + c is within 2 after so many turns. Once far out it never
-// comes back.
+// Whether the orbit of z under z^2 + c is within 2 after so many turns, or within what it never
+// comes back from if that is more.
 bool stays(Quaternion z, const Quaternion& c, int turns) {
+  const double reach = std::fmax(2, 0.5 + std::sqrt(0.25 + size_of(c)));
   for (int i = 0; i < turns && size_of(z) < 1e6; ++i) {
     z = product(z, z);
     for (int a = 0; a < 4; ++a) z[a] += c[a];
   }
-  return size_of(z) < 2;
+  return size_of(z) < reach;
 }
 
 }  // namespace
@@ -174,7 +175,7 @@ Inside julia(const Given& given) {
 Inside mandelbrot(const Given& given) {
   return [turns = static_cast<int>(given("iterations"))](const Vec& p) {
     const Quaternion c = {p.x, p.y, p.z, 0};
-    return stays(c, c, turns);
+    return size_of(c) < 2 && stays(c, c, turns);
   };
 }
 
