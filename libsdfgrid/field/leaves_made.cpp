@@ -10,6 +10,7 @@
 #include "sdfgrid/field/build.h"
 #include "sdfgrid/field/curve.h"
 #include "sdfgrid/field/interval.h"
+#include "sdfgrid/field/leaf_bounds.h"
 #include "sdfgrid/field/leaves_round.h"
 #include "sdfgrid/field/leaves_soft.h"
 
@@ -264,6 +265,26 @@ Field Bezier::make(const std::vector<Argument>& given) {
   return make_leaf(op_number("bezier"), {first, first + sizeof op / sizeof(float)}, {});
 }
 
+// Its ends, and where it turns along an axis.
+Box Bezier::bounds(Data, double level) const {
+  Box box;
+  for (const int end : {0, 2}) box.add({control[end][0], control[end][1], control[end][2]});
+  for (int a = 0; a < 3; ++a) {
+    const double first = static_cast<double>(control[0][a]) - control[1][a];
+    const double second = first - control[1][a] + control[2][a];
+    const double t = first / second;
+    if (!(t > 0 && t < 1)) continue;
+    const double turn = control[0][a] - first * t;
+    box.lo[a] = std::fmin(box.lo[a], turn);
+    box.hi[a] = std::fmax(box.hi[a], turn);
+  }
+  // A hair more, for what single precision makes of the curve.
+  const glm::dvec3 size = box.size();
+  const double hair = 1e-6 * (size.x + size.y + size.z);
+  const glm::dvec3 grow(std::fmax(radius + level, 0.0) + hair);
+  return {box.lo - grow, box.hi + grow};
+}
+
 namespace {
 
 struct NamedFalloff {
@@ -336,6 +357,28 @@ Field Metaballs::make(const std::vector<Argument>& given) {
   return make_leaf(
       op_number("metaballs"),
       floats({arguments.number("threshold"), static_cast<double>(falloff->falloff), scale}), blobs);
+}
+
+// Beyond a plane no blob is larger than where it is nearest to it.
+Box Metaballs::bounds(Data blobs, double level) const {
+  Box box;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      const auto lowest = [&](double c) {
+        double sum = 0;
+        double beyond = kInfinity;
+        for (int i = 0; i < blobs.count; i += 4) {
+          const double r = std::fmax(c - side * blobs.values[i + axis], 0);
+          sum += blob(r * blobs.values[i + 3]);
+          beyond = std::fmin(beyond, r - 1.0 / blobs.values[i + 3]);
+        }
+        return std::fmax((threshold - sum) * scale, beyond);
+      };
+      (side < 0 ? box.lo : box.hi)[axis] = side * first_excluded(lowest, level);
+    }
+    if (box.lo[axis] > box.hi[axis]) return {};
+  }
+  return box;
 }
 
 }  // namespace sdfgrid::ops

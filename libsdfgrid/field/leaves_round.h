@@ -336,12 +336,7 @@ struct Bezier {
   T distance(const Point<T>& p) const {
     return arc.distance(p) - radius;
   }
-  Box bounds(Data, double level) const {
-    Box box;
-    for (const auto& c : control) box.add({c[0], c[1], c[2]});
-    const glm::dvec3 grow(std::fmax(radius + level, 0.0));
-    return {box.lo - grow, box.hi + grow};
-  }
+  Box bounds(Data, double level) const;
 };
 
 using RoundLeaves = OpList<Ellipsoid, EllipsoidBound, Superellipsoid, Supertorus, Triangle,

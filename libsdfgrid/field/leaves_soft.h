@@ -86,16 +86,7 @@ struct Metaballs {
     }
     return max((T(threshold) - sum) * scale, beyond);
   }
-  Box bounds(Data blobs, double level) const {
-    Box box;
-    for (int i = 0; i < blobs.count; i += 4) {
-      const glm::dvec3 c(blobs.values[i], blobs.values[i + 1], blobs.values[i + 2]);
-      const glm::dvec3 r(1.0 / static_cast<double>(blobs.values[i + 3]) + std::fmax(level, 0.0));
-      box.add(c - r);
-      box.add(c + r);
-    }
-    return box;
-  }
+  Box bounds(Data blobs, double level) const;
 };
 
 using SoftLeaves = OpList<Metaballs>;

@@ -47,6 +47,48 @@ TEST(ExactOps, CubicCurves) {
   }
 }
 
+// How far the solid goes along an axis: a place of its surface, and from there further as long as
+// there is some.
+double farthest_along(const Inside& inside, const std::vector<Vec>& surface, int axis,
+                      double side) {
+  std::mt19937 random(49);
+  Vec best = surface[0];
+  for (const Vec& p : surface) {
+    if (side * p[axis] > side * best[axis]) best = p;
+  }
+  for (double step = 0.1; step > 1e-6; step *= 0.99) {
+    Vec q = best + step * random_direction(random);
+    q[axis] = best[axis] + side * step * 0.01;
+    if (inside(q)) best = q;
+  }
+  return best[axis];
+}
+
+// The boxes of curves are no larger than they must be; nor are those of blobs, but where several
+// are as far along an axis and beside each other.
+TEST(ExactOps, BoxesOfCurvesAndBlobsAreTight) {
+  const std::pair<const char*, double> solids[] = {
+      {"bezier: {points: [[-1, -0.5, 0], [0, 1.5, 0.5], [1, -0.5, 0]], radius: 0.2}", 1e-3},
+      {"bezier: {points: [[-1, -0.5, 0], [2, 1.5, 0.5], [1, -0.2, 1]], radius: 0.1}", 1e-3},
+      {"metaballs: {points: [[-0.5, 0, 0], [0.5, 0, 0], [0.2, 0, 0]], threshold: 0.4}", 0.11},
+      {"metaballs: {points: [[0, 0.3, 0]], falloff: gaussian, threshold: 0.7}", 1e-3}};
+  for (const auto& [text, loose] : solids) {
+    SCOPED_TRACE(text);
+    const ExampleNode node = read_node(text);
+    const sdfgrid::Box bounds = make_field(node).bounds();
+    const Inside inside = solid_of(node);
+    const std::vector<Vec> surface = surface_points(inside, bounds);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double hi = farthest_along(inside, surface, axis, 1);
+      const double lo = farthest_along(inside, surface, axis, -1);
+      EXPECT_TRUE(hi <= bounds.hi[axis] && hi > bounds.hi[axis] - loose) << hi;
+      EXPECT_TRUE(lo >= bounds.lo[axis] && lo < bounds.lo[axis] + loose) << lo;
+    }
+  }
+  const Field none = make_field(read_node("metaballs: {points: [[0, 0, 0]], threshold: 2}"));
+  EXPECT_TRUE(none.bounds().empty());
+}
+
 // The corners of Platonic and uniform truncated solids, from their coordinates in books: as many as
 // books say, all on the surface of the solid with flat faces as near as theirs, and nothing farther
 // out is.

@@ -8,6 +8,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "field/file_leaves.h"
 #include "sdfgrid/field/formula.h"
 
 using sdfgrid::Argument;
@@ -255,6 +256,7 @@ const std::vector<Example>& examples() {
             form("formula: {f: \"" + f + "\", bounds: [[-1, -1, -1], [1, 1, 1]]" + order + "}"));
       }
     }
+    for (Example& leaf : file_leaves()) made.push_back(std::move(leaf));
     return made;
   }();
   return all;

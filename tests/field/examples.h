@@ -1,6 +1,7 @@
 // tests/field/examples.h: a field for each op of the list, made from the example in its own text.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,9 @@ struct Example {
   ExampleNode node;
   sdfgrid::Field field;
   std::string text;
-  bool sampled = false;   // a Sampler takes part
-  bool estimate = false;  // no bound is promised
+  bool sampled = false;                               // a Sampler takes part
+  bool estimate = false;                              // no bound is promised
+  std::function<bool(const glm::dvec3&)> solid = {};  // whether a point is inside, of file_leaves()
 };
 
 // Formulas for the box from -1 to 1: one for each function that formulas may call, where it has no
@@ -33,6 +35,6 @@ struct Example {
 std::vector<std::string> example_formulas();
 
 // The examples of all ops, then others of those that have several forms, then the formulas above,
-// certified and estimated; and where they are worth looking at.
+// certified and estimated, then grids and meshes; and where they are worth looking at.
 const std::vector<Example>& examples();
 sdfgrid::Box example_box(const sdfgrid::Field& field);

@@ -165,10 +165,11 @@ TEST(EveryOps, IntervalHoldsTheSamples) {
 TEST(EveryOps, GradientIsThatOfFiniteDifferences) {
   for (const Example& e : examples()) {
     SCOPED_TRACE(e.text);
-    if (e.sampled) continue;  // a Sampler has finite differences only
     std::mt19937 random(10);
     const Points p = random_points(400, example_box(e.field), random);
-    const double h = 1e-6;
+    // A Sampler gives floats, and differences over a step of its own: of grids 0.1 voxel, as here.
+    const double h = e.sampled ? 8e-3 : 1e-6;
+    const double tolerance = e.sampled ? 2e-2 : 2e-3;
     int compared = 0;
     for (std::size_t i = 0; i < p.x.size(); ++i) {
       const sdfgrid::ValueGradient here = e.field.gradient(p.at(i));
@@ -181,13 +182,13 @@ TEST(EveryOps, GradientIsThatOfFiniteDifferences) {
         const sdfgrid::ValueGradient below = e.field.gradient(lo);
         const sdfgrid::ValueGradient above = e.field.gradient(hi);
         // A kink between the two: the slopes of both sides differ.
-        if (std::fabs(above.gradient[a] - below.gradient[a]) > 1e-3) continue;
-        ASSERT_NEAR((above.value - below.value) / (2 * h), here.gradient[a], 2e-3)
+        if (std::fabs(above.gradient[a] - below.gradient[a]) > 0.5 * tolerance) continue;
+        ASSERT_NEAR((above.value - below.value) / (2 * h), here.gradient[a], tolerance)
             << e.op->info->name << " axis " << a;
         ++compared;
       }
     }
-    EXPECT_GT(compared, 900) << e.op->info->name;
+    EXPECT_GT(compared, e.sampled ? 400 : 900) << e.op->info->name;
   }
 }
 

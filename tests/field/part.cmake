@@ -12,6 +12,8 @@ sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/brute_force.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/exact_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/examples.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/field_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/file_leaves.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/formula_estimate_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/formula_safety_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/formula_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/fractal_test.cpp
@@ -42,6 +44,7 @@ find_library(SDFGRID_EGL_LIBRARY EGL)
 if(SDFGRID_EGL_INCLUDE AND SDFGRID_EGL_LIBRARY)
   sdfgrid_test(glsl_run_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/glsl_run_test.cpp
                                      ${CMAKE_CURRENT_LIST_DIR}/examples.cpp
+                                     ${CMAKE_CURRENT_LIST_DIR}/file_leaves.cpp
                                      ${CMAKE_CURRENT_LIST_DIR}/software_gl.cpp
                PACKAGES ${SDFGRID_EGL_LIBRARY})
 else()

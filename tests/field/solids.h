@@ -16,6 +16,7 @@ using Inside = std::function<bool(const Vec&)>;
 
 // Throws std::runtime_error for an op that has no definition here: a new op needs one.
 Inside solid_of(const ExampleNode& node);
+inline Inside solid_of(const Example& e) { return e.solid ? e.solid : solid_of(e.node); }
 
 // Those of leaves, and of ops of other nodes; null if there is none of that word.
 Inside leaf_solid(const ExampleNode& node);
