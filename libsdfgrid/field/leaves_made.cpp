@@ -207,12 +207,30 @@ double largest_on_sphere(const Normals& normals, double exponent, bool two_sided
 
 }  // namespace
 
+namespace {
+
+// The heights above the planes themselves, where the norm has those above farther ones too small.
+Field flat_faces(const Normals& normals, bool two_sided, double radius) {
+  std::vector<double> planes;
+  for (const auto& n : normals) {
+    for (const double side : {1.0, -1.0}) {
+      if (side < 0 && !two_sided) continue;
+      for (const double c : n) planes.push_back(side * c);
+      planes.push_back(radius);
+    }
+  }
+  return make_field("polyhedron", {{"planes", planes}});
+}
+
+}  // namespace
+
 Field GeneralizedDistance::make(const std::vector<Argument>& given) {
   const CheckedArguments arguments({&info, parameters}, given);
   const auto& [name, normals, two_sided] =
       solid_named(arguments, arguments.text("solid", "icosahedron"));
   const double exponent = std::fmin(arguments.number("exponent"), 1000);  // flat from there on
-  const double slope = exponent < 1000 ? largest_on_sphere(normals, exponent, two_sided) : 1;
+  if (exponent == 1000) return flat_faces(normals, two_sided, arguments.number("radius"));
+  const double slope = largest_on_sphere(normals, exponent, two_sided);
   std::vector<float> list;
   for (const auto& n : normals) {
     for (const double c : n) list.push_back(static_cast<float>(c));
@@ -235,7 +253,7 @@ Box GeneralizedDistance::bounds(Data normals, double level) const {
     }
   }
   return half_spaces_box({planes.data(), static_cast<int>(planes.size())},
-                         exponent < 1000 ? level / static_cast<double>(scale) : level);
+                         level / static_cast<double>(scale));
 }
 
 Field Bezier::make(const std::vector<Argument>& given) {

@@ -239,7 +239,10 @@ struct Polyhedron {
       OpGuarantee::exact_inside,
       "What is behind all of some planes: normals and distances in a row, [nx, ny, nz, d, ...], "
       "all "
-      "points with n . p <= d.",
+      "points with n . p <= d. Outside it is the height above the highest plane: before an edge at "
+      "least the sine of half the angle between its faces times the distance (0.7 at right "
+      "angles), "
+      "before a corner of a cube 0.57.",
       "polyhedron: {planes: [1, 1, 1, 0.6, -1, -1, 1, 0.6, -1, 1, -1, 0.6, 1, -1, -1, 0.6]}",
       ""};
   static constexpr bool kConvexSolid = true;
@@ -273,7 +276,10 @@ struct GeneralizedDistance {
       "A Platonic solid (tetrahedron, cube, octahedron, dodecahedron, icosahedron), or one with "
       "its "
       "corners cut so that all edges are equal (truncated_tetrahedron, truncated_cube, ...); the "
-      "rounder the smaller the exponent.",
+      "rounder the smaller the exponent. With flat faces exact inside, and outside at least 0.33 "
+      "of "
+      "the distance (tetrahedron), 0.57 (cube, octahedron, truncated_tetrahedron) or 0.79 "
+      "(others).",
       "gdf: {solid: dodecahedron, exponent: 9, radius: 0.9}",
       "E. Akleman and J. Chen, Generalized distance functions, 1999; divided by the largest value "
       "on "
@@ -294,7 +300,6 @@ struct GeneralizedDistance {
   T distance(const Point<T>& p, Data normals) const {
     T largest(1e-20F);
     for (int i = 0; i < normals.count; i += 3) largest = max(largest, term(p, normals.values + i));
-    if (exponent >= 1000) return largest - radius;
     T sum(0.0F);
     for (int i = 0; i < normals.count; i += 3) {
       sum = sum + pow(term(p, normals.values + i) / largest, exponent);

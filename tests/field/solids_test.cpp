@@ -191,11 +191,61 @@ TEST(Solids, AreAsFarAsTheValueWhereTheTextSaysSo) {
       {"offset: {by: 0.3, of: {torus: {major: 1, minor: 0.3}}}", {true, false}},
       {"offset: {by: 0.3, of: {box: {size: [1, 1, 0.6]}}}", {true, true}},
       {"offset: {by: -0.2, of: {torus: {major: 1, minor: 0.4}}}", {false, true}},
-      {"gdf: {solid: icosahedron, exponent: inf}", {false, true}}};
+      {"gdf: {solid: icosahedron, exponent: inf}", {false, true}},
+      {"gdf: {solid: truncated_octahedron, exponent: 1000}", {false, true}},
+      {"gdf: {solid: truncated_dodecahedron, exponent: inf}", {false, true}}};
   for (const auto& [text, exact] : cases) {
     SCOPED_TRACE(text);
     const ExampleNode node = read_node(text);
     expect_reaches({sdfgrid::find_op(node.word), node, make_field(node), text}, exact);
+  }
+}
+
+// Before flat faces the height above the highest plane is less than the distance: far away, by the
+// direction that is as far as possible from all normals. As the words of gdf and polyhedron have
+// it.
+double least_far_away(const Field& f) {
+  std::mt19937 random(50);
+  constexpr double kFar = 1e4;
+  double least = 1;
+  Vec direction(1, 0, 0);
+  for (int i = 0; i < 3000; ++i) {
+    const double step = std::fmax(2 * std::pow(0.997, i), 1e-3);
+    Vec u = direction + step * random_direction(random);
+    u /= norm(u);
+    const double value = f.gradient(u * kFar).value / kFar;
+    if (value > least) continue;
+    least = value;
+    direction = u;
+  }
+  return least;
+}
+
+TEST(Solids, WithFlatFacesAreNotMuchFartherThanTheValue) {
+  const std::pair<const char*, double> least[] = {{"tetrahedron", 0.33},
+                                                  {"cube", 0.57},
+                                                  {"octahedron", 0.57},
+                                                  {"dodecahedron", 0.79},
+                                                  {"icosahedron", 0.79},
+                                                  {"truncated_tetrahedron", 0.57},
+                                                  {"truncated_cube", 0.8},
+                                                  {"truncated_octahedron", 0.8},
+                                                  {"truncated_dodecahedron", 0.91},
+                                                  {"truncated_icosahedron", 0.91}};
+  for (const auto& [solid, ratio] : least) {
+    const double found =
+        least_far_away(sdfgrid::make_field("gdf", {{"solid", solid}, {"exponent", INFINITY}}));
+    EXPECT_GT(found, ratio) << solid;
+    EXPECT_LT(found, ratio + 0.02) << solid;
+  }
+  for (const double angle : {170.0, 90.0, 30.0}) {  // of a wedge along x, its edge the z axis
+    const double half = 0.5 * angle * M_PI / 180;
+    const Field wedge = sdfgrid::make_field(
+        "polyhedron",
+        {{"planes",
+          {std::sin(half), std::cos(half), 0, 0, std::sin(half), -std::cos(half), 0, 0}}});
+    EXPECT_NEAR(wedge(glm::vec3(2, 0, 0)) / 2, std::sin(half), 1e-6) << angle;
+    EXPECT_LT(wedge(glm::vec3(-2, 0, 0)), 0);
   }
 }
 
