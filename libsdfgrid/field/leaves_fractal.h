@@ -145,9 +145,8 @@ struct Julia {
   Box bounds(Data, double level) const { return cube_around(reach, level); }
 };
 
-// |z| ln(|z| / 2) / (2 |z'|) where an orbit has left the ball of radius 2, which is as far as a
-// conformal map of the outside to that of a ball brings it for sets that are small against their
-// distance; inside (|z| - 2) / (2 |z'|).
+// Where an orbit has left the ball of radius 2 half of its potential over the slope of that,
+// |z| ln(|z| / 2) / (2 |z'|); inside (|z| - 2) / (2 |z'|), of which the sign counts.
 template <class T>
 T escaped_distance(const T& r, const T& slope) {
   const T half = T(0.5F) / max(slope, T(1e-20F));
@@ -155,9 +154,10 @@ T escaped_distance(const T& r, const T& slope) {
                 (r - 2.0F) * min(half, T(0.5F)));
 }
 
-// The places |z_n| = 2 enclose a connected set, whose outside has the potential
-// G = ln(|z_n| / 2) / N, N = 2^n the degree of z_n: by Koebe's theorem the distance is at least
-// (1 - e^(-2 G)) / (4 |grad G|), and 1 - e^-t at least t / (1 + t).
+// |z_n| <= 2 holds in a connected set, as every part of it has a zero of z_n, and those are in the
+// Mandelbrot set, which is connected. So the outside has the potential G = ln(|z_n| / 2) / N,
+// N = 2^n the degree of z_n, and by Koebe's theorem the distance is at least
+// (1 - e^(-2 G)) / (4 |grad G|), where 1 - e^-t is at least t / (1 + t).
 struct Mandelbrot {
   static constexpr OpInfo info = {
       "mandelbrot",
