@@ -9,110 +9,19 @@
 #include <optional>
 
 #include "command.h"
-#include "inputs.h"
-#include "methods.h"
-#include "options.h"
+#include "convert_made.h"
 #include "scenes.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/grid/convert_dense.h"
-#include "sdfgrid/grid/convert_field.h"
-#include "sdfgrid/grid/dense.h"
-#include "sdfgrid/grid/paint.h"
 #include "sdfgrid/volume/write.h"
-#include "tolerance.h"
 
 namespace sdfgrid::cli {
 namespace {
-
-struct Options {
-  std::string input;
-  Output output;
-  ConvertOptions convert;
-  std::string method = "exact";      // of convert_methods()
-  std::vector<std::string> methods;  // for the tolerance; empty: all
-  TransformChoice transform;
-  double width = 3.0;
-  double exwidth = 0;  // 0: as --width
-  double inwidth = 0;
-  bool dense = false;
-  std::optional<int> dim;
-  SurfaceOptions surface;
-  ToleranceOptions tolerance;
-  double time = 0;
-};
 
 const std::vector<std::pair<std::string, SignMethod>> kSigns = {{"auto", SignMethod::automatic},
                                                                 {"normal", SignMethod::normal},
                                                                 {"winding", SignMethod::winding},
                                                                 {"unsigned", SignMethod::no_sign}};
-
-Band band_of(const Options& options) {
-  return {options.exwidth > 0 ? options.exwidth : options.width,
-          options.inwidth > 0 ? options.inwidth : options.width};
-}
-
-// What was made, and what is to be said of it.
-struct Made {
-  Grid grid;
-  std::optional<Volume> dense;  // instead of the grid
-  std::string method;
-  std::string sign;
-  std::string sign_reason;
-  std::optional<double> max_error;                  // world units; none is stated of a scene
-  std::optional<glm::dvec3> origin = std::nullopt;  // of sample (0, 0, 0), once written densely
-};
-
-// How large what was made is.
-struct Extent {
-  glm::ivec3 dims;
-  double voxel;
-  std::size_t active_voxels, bricks, bytes;
-};
-
-Extent extent_of(const Grid& grid) {
-  return {grid.dims(), grid.lattice().voxel, grid.active_voxels(), grid.bricks(), grid.bytes()};
-}
-
-Extent extent_of(const Volume& volume) {
-  return {volume.dims, volume.spacing.x, volume.size(), 0, volume.size() * sizeof(float)};
-}
-
-void describe(const Made& made, const Options& options, Context& context) {
-  const Extent extent = made.dense ? extent_of(*made.dense) : extent_of(made.grid);
-  const glm::ivec3& dims = extent.dims;
-  Json& result = context.result();
-  result["method"] = made.method;
-  result["sign"] = made.sign;
-  result["sign_reason"] = made.sign_reason;
-  result["voxel"] = extent.voxel;
-  result["dims"] = {dims.x, dims.y, dims.z};
-  result["active_voxels"] = extent.active_voxels;
-  result["bricks"] = extent.bricks;
-  result["bytes"] = extent.bytes;
-  if (made.max_error) result["max_error"] = *made.max_error;
-  if (made.origin) result["origin"] = {made.origin->x, made.origin->y, made.origin->z};
-  context.print("{}: {} x {} x {} samples, voxel {:.6g}, {} active in {} bricks, {:.1f} MB",
-                options.output.path, dims.x, dims.y, dims.z, extent.voxel, extent.active_voxels,
-                extent.bricks, 1e-6 * static_cast<double>(extent.bytes));
-  if (made.origin) {
-    context.print("sample 0 at {:.9g} {:.9g} {:.9g}", made.origin->x, made.origin->y,
-                  made.origin->z);
-  }
-  context.print("method {}{}; sign {}: {}", made.method,
-                made.max_error
-                    ? fmt::format(", error at most {:.1g} voxel", *made.max_error / extent.voxel)
-                    : "",
-                made.sign, made.sign_reason);
-}
-
-// What the grid says of itself to whoever opens it later (docs/architecture.md, "Metadata").
-void stamp(Made& made, const std::string& source) {
-  made.grid.set_metadata("sdfgrid:method", made.method);
-  made.grid.set_metadata("sdfgrid:sign", made.sign);
-  made.grid.set_metadata("sdfgrid:source", source.substr(source.find_last_of('/') + 1));
-  if (made.max_error) made.grid.set_metadata("sdfgrid:max_error", *made.max_error);
-  made.grid.set_metadata("sdfgrid:version", SDFGRID_VERSION);
-}
 
 // Of exact conversion, world units; far from the surface float's rounding comes on top.
 double stated_error(const Made& made, const Band& band) {
@@ -122,7 +31,7 @@ double stated_error(const Made& made, const Band& band) {
 }
 
 // The voxel size asked for; a volume's own if nothing is said.
-ConvertOptions convert_options(const Options& options, const Surface& surface) {
+ConvertOptions convert_options(const ConvertRequest& options, const Surface& surface) {
   ConvertOptions convert = options.convert;
   convert.band = band_of(options);
   if (options.dim) {
@@ -132,11 +41,6 @@ ConvertOptions convert_options(const Options& options, const Surface& surface) {
   }
   convert.transform = options.transform.options_for({options.method});
   return convert;
-}
-
-// Whether the output can hold voxels of that size; call it before any work.
-void check_voxel(const Options& options, double voxel) {
-  if (!has_extension(options.output.path, volume_extensions())) check_storable(voxel);
 }
 
 void report_seconds(const Surface& surface, const Conversion& conversion, Json seconds,
@@ -157,56 +61,8 @@ void report_seconds(const Surface& surface, const Conversion& conversion, Json s
       conversion.seconds.voxelize, conversion.seconds.assemble, write_seconds);
 }
 
-bool has_inside(const Made& made) {
-  if (!made.dense) return made.grid.has_inside();
-  const auto& samples = std::get<std::vector<float>>(made.dense->samples);
-  return std::any_of(samples.begin(), samples.end(), [](float d) { return d < 0; });
-}
-
-// A result that would surprise whoever opens it; `source` is "mesh", "surface" or "scene".
-void warn_of_nothing(const Made& made, const std::string& source, Context& context) {
-  if (!made.dense && made.grid.active_voxels() == 0) {
-    return context.warn("the grid is empty: no voxel is near the " + source +
-                        "; use a smaller --voxel");
-  }
-  if (made.sign == "unsigned" || has_inside(made)) return;
-  context.warn(
-      "the grid has no inside: the " + source +
-      " is thinner than its voxels; use a smaller --voxel, or for a sheet --sign unsigned");
-}
-
-// As all samples of a box: around the band, or the dense field's own.
-void save_densely(Made& made, const std::string& path, Context& context) {
-  const auto write = [&](const Volume& volume) {
-    made.origin = volume.origin;
-    write_volume(volume, path, context.job());
-  };
-  return made.dense ? write(*made.dense) : write(to_volume(made.grid));
-}
-
-// As a grid, or densely, as the output's name says.
-void save(Made& made, const Options& options, Context& context) {
-  const std::string& path = options.output.path;
-  context.job().report("write", 0.0);
-  context.job().checkpoint();
-  if (has_extension(path, volume_extensions())) {
-    if (!made.dense && has_paint(made.grid)) {
-      context.warn(path + ": this format holds no paint, which is left out; .vdb and .nvdb do");
-    }
-    return save_densely(made, path, context);
-  }
-  if (made.dense) {
-    made.grid = to_grid(*made.dense, band_of(options).exwidth * made.dense->spacing.x);
-    made.dense.reset();
-  }
-  if (kind_of(options.input, false) != InputKind::grid || options.surface.iso) {
-    stamp(made, options.input);
-  }
-  write_grid(made.grid, path);
-}
-
 // Every sample of the box around the surface.
-Conversion convert_densely(const TriangleSoup& soup, const Options& options,
+Conversion convert_densely(const TriangleSoup& soup, const ConvertRequest& options,
                            const ConvertOptions& convert, std::optional<Volume>& dense,
                            const Job& job) {
   ConvertOptions with = convert;
@@ -221,7 +77,7 @@ Conversion convert_densely(const TriangleSoup& soup, const Options& options,
   return {{}, made.sign, made.sign_reason, made.warnings, made.seconds};
 }
 
-Exit run_surface(const Options& options, Context& context) {
+Exit run_surface(const ConvertRequest& options, Context& context) {
   Stopwatch watch;
   const Surface surface = load_surface(options.input, options.surface, context);
   watch.lap("read");
@@ -248,7 +104,7 @@ Exit run_surface(const Options& options, Context& context) {
 }
 
 // Resolution and method found by measuring.
-Exit run_within(const Options& options, Context& context) {
+Exit run_within(const ConvertRequest& options, Context& context) {
   Stopwatch watch;
   const Surface surface = load_surface(options.input, options.surface, context);
   watch.lap("read");
@@ -277,71 +133,8 @@ Exit run_within(const Options& options, Context& context) {
   return choice.within ? Exit::done : Exit::missed;
 }
 
-// A scene's resolution found by measuring.
-Choice choose_scene(const SceneModel& scene, const Options& options,
-                    const FieldConvertOptions& convert, Context& context) {
-  const glm::dvec3 size = scene.field.bounds().size();
-  ChooseOptions choose = choose_options(options.tolerance, std::max({size.x, size.y, size.z}));
-  choose.methods = options.methods;
-  Choice choice = choose_conversion(scene.field, convert, choose, context.job());
-  report_choice(choice, choose, context);
-  return choice;
-}
-
-Exit run_scene(const Options& options, Context& context) {
-  Stopwatch watch;
-  const SceneModel scene = load_scene(options.input, options.time, context);
-  check_has_end(scene, options.input);
-  watch.lap("read");
-  FieldConvertOptions convert;
-  convert.voxel = options.convert.voxel;
-  convert.dim = options.dim.value_or(convert.dim);
-  convert.band = band_of(options);
-  convert.max_memory = options.convert.max_memory;
-  const bool search = !options.tolerance.tolerance.empty();
-  if (search) convert.dim = choice_dims().front();  // the coarsest that is tried
-  check_voxel(options, choose_lattice(scene.field, convert).voxel);
-  Made made{{},
-            std::nullopt,
-            "field",
-            "field",
-            "values are the scene's own: bounds on the distance, or estimates (docs/shapes.md)",
-            std::nullopt};
-  std::optional<std::size_t> evaluated;  // points; a search does not count them
-  bool within = true;
-  if (search) {
-    const Choice choice =
-        naming(options.input, [&] { return choose_scene(scene, options, convert, context); });
-    made.grid = choice.conversion.grid;
-    within = choice.within;
-  } else if (options.dense) {
-    made.dense =
-        naming(options.input, [&] { return convert_dense(scene.field, convert, context.job()); });
-    evaluated = made.dense->size();
-  } else {
-    FieldConversion conversion =
-        naming(options.input, [&] { return convert_field(scene.field, convert, context.job()); });
-    made.grid = conversion.grid;
-    evaluated = conversion.evaluated;
-  }
-  watch.lap("voxelize");
-  warn_of_nothing(made, "scene", context);
-  save(made, options, context);
-  watch.lap("write");
-  describe(made, options, context);
-  Json seconds = watch.seconds();
-  seconds["transform"] = 0.0;
-  if (evaluated) context.result()["evaluated"] = *evaluated;
-  context.result()["seconds"] = seconds;
-  context.print("{}read {:.3f} s, voxelize {:.3f} s, write {:.3f} s",
-                evaluated ? fmt::format("{} points evaluated; ", *evaluated) : "",
-                seconds["read"].get<double>(), seconds["voxelize"].get<double>(),
-                seconds["write"].get<double>());
-  return within ? Exit::done : Exit::missed;
-}
-
 // A grid in another format, with the values that it has.
-Exit run_grid(const Options& options, Context& context) {
+Exit run_grid(const ConvertRequest& options, Context& context) {
   if (!options.tolerance.tolerance.empty()) {
     throw Error(ErrorKind::usage, "--tolerance is for meshes, volumes or scenes, not for grids");
   }
@@ -365,11 +158,11 @@ Exit run_grid(const Options& options, Context& context) {
   return Exit::done;
 }
 
-Exit run(const Options& options, const CLI::App& app, Context& context) {
+Exit run(const ConvertRequest& options, const CLI::App& app, Context& context) {
   check_output(options.output);
   const InputKind kind = kind_of(options.input, options.surface.iso.has_value());
   check_options_for(app, {kind});
-  if (kind == InputKind::scene) return run_scene(options, context);
+  if (kind == InputKind::scene) return convert_scene(options, context);
   if (kind == InputKind::grid) return run_grid(options, context);
   return options.tolerance.tolerance.empty() ? run_surface(options, context)
                                              : run_within(options, context);
@@ -378,7 +171,7 @@ Exit run(const Options& options, const CLI::App& app, Context& context) {
 }  // namespace
 
 Run add_convert(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ConvertRequest>();
   app.add_option("IN", options->input,
                  "mesh (.obj, .ply, .stl, .off, .om), volume (see --iso), scene (.yaml, .json) or "
                  "grid (.vdb) to write in another format")

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <memory>
 #include <string_view>
 #include <utility>
@@ -94,9 +95,12 @@ void report_samples(const Grid& grid, Context& context) {
   context.print("samples    {} x {} x {}, {} active in {} bricks, {:.1f} MB in memory", dims.x,
                 dims.y, dims.z, grid.active_voxels(), grid.bricks(),
                 1e-6 * static_cast<double>(grid.bytes()));
+  const std::map<int, PaintLook> looks = paint_looks(grid);
   for (const auto& [material, samples] : paint_counts(grid)) {
     result["paint"][std::to_string(material)] = samples;
-    context.print("paint      {} samples of material {}", samples, material);
+    const auto look = looks.find(material);
+    const std::string name = look != looks.end() ? fmt::format(" ({})", look->second.name) : "";
+    context.print("paint      {} samples of material {}{}", samples, material, name);
   }
 }
 

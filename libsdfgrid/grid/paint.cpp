@@ -1,8 +1,14 @@
 #include "sdfgrid/grid/paint.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <glm/common.hpp>
+#include <optional>
+#include <string_view>
 
 #include "sdfgrid/grid/vdb.h"
 
@@ -22,6 +28,42 @@ std::map<int, std::size_t> paint_counts(const Grid& grid) {
     counts[*at] += at.getVoxelCount();
   }
   return counts;
+}
+
+namespace {
+
+constexpr std::string_view kLookKey = "sdfgrid:material-";
+
+// "0.8 0.1 0.1 0.3 64 red", the name up to the end.
+std::string text_of(const PaintLook& look) {
+  return fmt::format("{} {} {} {} {} {}", look.diffuse.x, look.diffuse.y, look.diffuse.z,
+                     look.specular, look.exponent, look.name);
+}
+
+std::optional<PaintLook> look_of(std::string_view text) {
+  float numbers[5];
+  for (float& number : numbers) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || !std::isfinite(number) || number < 0) return std::nullopt;
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    if (text.starts_with(' ')) text.remove_prefix(1);
+  }
+  return PaintLook{{numbers[0], numbers[1], numbers[2]}, numbers[3], numbers[4], std::string(text)};
+}
+
+}  // namespace
+
+void set_paint_look(Grid& grid, int material, const PaintLook& look) {
+  grid.set_metadata(fmt::format("{}{}", kLookKey, material), text_of(look));
+}
+
+std::map<int, PaintLook> paint_looks(const Grid& grid) {
+  std::map<int, PaintLook> looks;
+  for (int material = 0; material <= kMostMaterial; ++material) {
+    const std::string text = grid.metadata(fmt::format("{}{}", kLookKey, material));
+    if (const auto look = look_of(text)) looks[material] = *look;
+  }
+  return looks;
 }
 
 struct PaintReader::Access {

@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 #include <map>
 #include <memory>
+#include <string>
 
 #include "sdfgrid/grid/grid.h"
 
@@ -19,6 +20,20 @@ inline constexpr int kMostMaterial = 255;
 
 // How many samples each material has that is painted; empty for a grid without paint.
 [[nodiscard]] std::map<int, std::size_t> paint_counts(const Grid& grid);
+
+// What a material of a grid looks like, in its metadata `sdfgrid:material-N`: its colour, how much
+// it shines and how sharply (trace/shade.h, Material), and what it is called.
+struct PaintLook {
+  glm::vec3 diffuse{0.0F};
+  float specular = 0;
+  float exponent = 1;
+  std::string name;
+  bool operator==(const PaintLook&) const = default;
+};
+// Of `material`, 0 for what is not painted.
+void set_paint_look(Grid& grid, int material, const PaintLook& look);
+// Those that the grid says; what cannot be understood is left out.
+[[nodiscard]] std::map<int, PaintLook> paint_looks(const Grid& grid);
 
 // Looks materials up. One object serves one thread, and none beside one who paints.
 class PaintReader {

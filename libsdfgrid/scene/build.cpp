@@ -27,8 +27,7 @@ class SceneBuilder {
 
   SceneModel build() {
     for (const SceneMaterial& material : scene_.materials) {
-      tags_[material.name] = static_cast<int>(model_.materials.size());
-      model_.materials.push_back(read_material(material));
+      tags_[material.name] = add_material(read_material(material), material.name);
     }
     read_camera();
     do {
@@ -47,6 +46,7 @@ class SceneBuilder {
     std::string path;
     int dim = 0;       // of a mesh; 0 for a grid
     double width = 3;  // of a mesh's band, voxels
+    int tag = -1;      // of what is not painted, if the grid says how that looks
   };
 
   // Where offsets, blends and such look beyond the band of a mesh, drops its grid and asks for a
@@ -145,7 +145,8 @@ class SceneBuilder {
     const std::vector<Field> of = fields(node.of);
     try {
       Field made = shape(node, of);
-      if (!node.material.empty()) made = made.tagged(tags_.at(node.material));
+      const int tag = node.material.empty() ? own_tag(node) : tags_.at(node.material);
+      if (tag >= 0) made = made.tagged(tag);
       const auto placed = [&](const char* op, const std::vector<SceneNumber>& by) {
         if (!by.empty()) made = make_field(op, {{"by", numbers(by)}}, {made});
       };
@@ -175,8 +176,7 @@ class SceneBuilder {
   }
 
   Field shape(const SceneNode& node, const std::vector<Field>& of) {
-    if (node.op == "grid") return make_field(sampler(node, false));
-    if (node.op == "mesh") return make_field(sampler(node, true));
+    if (is_file(node)) return make_field(sampled(node).sampler);
     std::vector<Argument> arguments;
     for (const SceneValue& value : node.values) {
       if (value.name == "file") {
@@ -190,6 +190,11 @@ class SceneBuilder {
     add_time(node.op, arguments);
     return make_field(node.op, arguments, of);
   }
+
+  static bool is_file(const SceneNode& node) { return node.op == "grid" || node.op == "mesh"; }
+
+  // What a grid says of its own look.
+  int own_tag(const SceneNode& node) { return is_file(node) ? sampled(node).tag : -1; }
 
   // Formulas of position know the time of the frame, unless the node says another.
   void add_time(const std::string& op, std::vector<Argument>& arguments) const {
@@ -225,7 +230,8 @@ class SceneBuilder {
   }
 
   // One a file, however often it is named.
-  std::shared_ptr<const Sampler> sampler(const SceneNode& node, bool mesh) {
+  const Sampled& sampled(const SceneNode& node) {
+    const bool mesh = node.op == "mesh";
     std::string name;
     int dim = kMeshDim;
     for (const SceneValue& value : node.values) {
@@ -235,26 +241,52 @@ class SceneBuilder {
     if (name.empty()) throw Error(ErrorKind::input, node.op + ": `file` is missing");
     const std::string path = beside(name);
     Sampled& known = samplers_[fmt::format("{} {}", mesh ? dim : 0, path)];
-    if (known.sampler != nullptr) return known.sampler;
+    if (known.sampler != nullptr) return known;
     known.path = path;
     known.dim = mesh ? dim : 0;
     const Grid grid = mesh ? convert(known) : read_grid(path);
-    known.sampler = make_sampler(grid, job_, paint_tags(grid));
+    std::map<int, int> tags = paint_tags(grid);
+    known.tag = tags.contains(0) ? tags[0] : -1;
+    tags.erase(0);
+    known.sampler = make_sampler(grid, job_, tags);
     model_.has_grids = true;
-    return known.sampler;
+    return known;
+  }
+
+  int add_material(const Material& material, const std::string& name) {
+    model_.materials.push_back(material);
+    model_.names.push_back(name);
+    return static_cast<int>(model_.materials.size()) - 1;
   }
 
   // The materials that a grid is painted with: the scene's of that number, or else as a grid alone
-  // shows them.
+  // shows them. 0, what is not painted, is among them if the grid says how that looks.
   std::map<int, int> paint_tags(const Grid& grid) {
+    const std::map<int, PaintLook> looks = paint_looks(grid);
     std::map<int, int> tags;
+    if (looks.contains(0)) tags[0] = tag_of(looks.at(0));
     for (const auto& [material, count] : paint_counts(grid)) {
-      const auto next = static_cast<int>(model_.materials.size());
-      const auto [known, fresh] = tags_.try_emplace(std::to_string(material), next);
-      if (fresh) model_.materials.push_back(paint_look(material));
-      tags[material] = known->second;
+      const std::string number = std::to_string(material);
+      const auto named = tags_.find(number);
+      const auto look = looks.find(material);
+      if (named != tags_.end()) {
+        tags[material] = named->second;
+      } else if (look != looks.end()) {
+        tags[material] = tag_of(look->second);
+      } else {
+        const Material shown = paint_look(material);
+        tags[material] = tag_of({shown.diffuse, shown.specular, shown.exponent, number});
+      }
     }
     return tags;
+  }
+
+  // Grids that say the same share it.
+  int tag_of(const PaintLook& look) {
+    for (const auto& [known, tag] : looks_) {
+      if (known == look) return tag;
+    }
+    return looks_.emplace_back(look, add_material(paint_look(0, look), look.name)).second;
   }
 
   void warn(const std::string& text) {
@@ -278,8 +310,9 @@ class SceneBuilder {
   double time_;
   const Job& job_;
   SceneModel model_;
-  std::map<std::string, int> tags_;
-  std::map<std::string, Sampled> samplers_;  // by dim and path
+  std::map<std::string, int> tags_;               // of the scene's own materials
+  std::vector<std::pair<PaintLook, int>> looks_;  // of grids, with their tags
+  std::map<std::string, Sampled> samplers_;       // by dim and path
   std::vector<EndlessNode> endless_;
 };
 

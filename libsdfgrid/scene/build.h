@@ -29,6 +29,7 @@ struct EndlessNode {
 struct SceneModel {
   Field field;  // tag_at() gives the index of a surface's material, or -1
   std::vector<Material> materials;
+  std::vector<std::string> names;  // of the materials: in the file, or of a grid's paint
   SceneCamera camera;
   bool has_grids = false;              // or meshes, whose fields are cut off at the end of a band
   std::optional<EndlessNode> endless;  // the first one

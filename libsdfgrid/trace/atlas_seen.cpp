@@ -2,8 +2,6 @@
 
 #include <limits>
 
-#include "sdfgrid/grid/paint.h"
-
 namespace sdfgrid {
 
 Material paint_look(int material) {
@@ -20,6 +18,20 @@ Material paint_look(int material) {
   look.diffuse = diffuse[(material - 1) % kColors];
   look.index = material;
   return look;
+}
+
+Material paint_look(int material, const PaintLook& look) {
+  return {look.diffuse, look.specular, look.exponent, material};
+}
+
+SeenAtlas::SeenAtlas(const Atlas& atlas, const Material& material, const Grid& painted)
+    : atlas_(atlas), material_(material), painted_(painted) {
+  for (const auto& [number, count] : paint_counts(painted)) {
+    if (number > 0) looks_[number] = paint_look(number);
+  }
+  for (const auto& [number, look] : paint_looks(painted)) {
+    (number == 0 ? material_ : looks_[number]) = paint_look(number, look);
+  }
 }
 
 void SeenAtlas::trace(std::span<const Ray> rays, std::span<float> depth) const {
@@ -39,7 +51,8 @@ void SeenAtlas::describe(std::span<const glm::dvec3> points, std::span<glm::vec3
   const PaintReader paint(*painted_);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const int material = paint.at(points[i]);
-    if (material > 0) materials[i] = paint_look(material);
+    const auto look = looks_.find(material);
+    if (look != looks_.end()) materials[i] = look->second;
   }
 }
 

@@ -35,6 +35,30 @@ TEST_F(SceneApp, BecomesAGrid) {
   EXPECT_EQ(run({"info", grid, "--quiet"}).exit, 0);
 }
 
+TEST_F(SceneApp, ItsMaterialsBecomePaint) {
+  const std::string two = folder_.write("two.yaml", R"(sdfgrid: 1
+materials: {red: {diffuse: [0.7, 0.05, 0.05]}, blue: {diffuse: [0.05, 0.1, 0.6]}}
+scene: [{sphere: {}, material: red}, {sphere: {}, at: [3, 0, 0], material: blue}]
+)");
+  const std::string grid = folder_.path("two.vdb");
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, {"--dense"}, {"--tolerance", "5%"}}) {
+    std::vector<std::string> words = {"convert", two, "-o", grid, "--force", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run(words);
+    ASSERT_EQ(outcome.exit, 0) << outcome.error;
+    EXPECT_EQ(json::parse(outcome.out)["materials"], (json{{"1", "red"}, {"2", "blue"}}));
+    const json info = json::parse(run({"info", grid, "--json"}).out);
+    EXPECT_GT(info["paint"]["1"], 100) << info;
+    EXPECT_GT(info["paint"]["2"], 100) << info;
+    EXPECT_EQ(info["metadata"]["sdfgrid:material-2"], "0.05 0.1 0.6 0.12 28 blue");
+  }
+  const Outcome outcome =
+      run({"convert", two, "-o", folder_.path("two.npy"), "--dim", "20", "--json"});
+  ASSERT_EQ(outcome.exit, 0) << outcome.error;
+  EXPECT_NE(json::parse(outcome.out)["warnings"].dump().find("holds no paint"), std::string::npos);
+}
+
 TEST_F(SceneApp, BecomesAPicture) {
   const Outcome outcome =
       run({"render", scene_, "-o", folder_.path("scene.png"), "--size", "64x64", "--json"});
