@@ -339,16 +339,16 @@ Run add_chart(CLI::App& app) {
   app.add_option("--dims", options->dims, "voxels along the longest side, as in 64,128,256")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::Range(4, 1 << 14))
+      ->check(whole_number(4, 1 << 14))
       ->capture_default_str();
   app.add_option("--width", options->width, "half-width of the band, voxels")
       ->check(CLI::Range(2.0, 1000.0))
       ->capture_default_str();
   app.add_option("--repeat", options->repeat, "runs of each, of which the fastest counts")
-      ->check(CLI::Range(1, 1000))
+      ->check(whole_number(1, 1000))
       ->capture_default_str();
   app.add_option("--samples", options->compare.samples, "places of each kind to measure at")
-      ->check(CLI::Range(std::size_t{100}, std::size_t{1} << 30U))
+      ->check(whole_number(100, 1 << 30))
       ->capture_default_str();
   add_surface_options(app, options->surface);
   add_scene_options(app, options->time);

@@ -183,7 +183,7 @@ Run add_compare(CLI::App& app) {
   app.add_option("A", options->a, "grid (.vdb), mesh, or volume")->required();
   app.add_option("B", options->b, "grid (.vdb), mesh, or volume")->required();
   app.add_option("--samples", options->compare.samples, "voxels, and places between, to measure at")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 32))
+      ->check(whole_number(1, std::int64_t{1} << 32))
       ->capture_default_str();
   app.add_option("--seed", options->compare.seed, "another one draws other places")
       ->capture_default_str();

@@ -186,7 +186,7 @@ Run add_convert(CLI::App& app) {
   app.add_option(
          "--dim", options->dim,
          "voxels along the longest side; 256 for a mesh or scene, a volume's own if not given")
-      ->check(CLI::Range(1, 100000))
+      ->check(whole_number(1, 100000))
       ->excludes(voxel);
   auto* tolerance = add_tolerance(app, options->tolerance)->excludes(voxel)->excludes("--dim");
   add_method(app, options->method)->excludes(tolerance);

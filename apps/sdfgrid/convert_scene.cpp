@@ -1,5 +1,6 @@
 // sdfgrid convert SCENE: a scene's field to a grid, its materials to paint.
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 #include "convert_made.h"
@@ -33,6 +34,37 @@ FieldConvertOptions field_options(const ConvertRequest& options) {
   // The coarsest that is tried.
   if (!options.tolerance.tolerance.empty()) convert.dim = choice_dims().front();
   return convert;
+}
+
+// How far from the surface the grid says how far it is: within the band or, in all of the box, no
+// further than to its middle and its corners.
+SceneReach reach_of(const Field& field, const ConvertRequest& options,
+                    const FieldConvertOptions& convert) {
+  const double voxel = choose_lattice(field, convert).voxel;
+  if (!options.dense) return {convert.band.inwidth * voxel, convert.band.exwidth * voxel};
+  const glm::dvec3 size = field.bounds().size();
+  return {0.5 * std::min({size.x, size.y, size.z}), std::sqrt(3.0) * convert.band.exwidth * voxel};
+}
+
+// Says of grids of the scene that their own bands do not fill the one that was made. `reached` is
+// the voxel that their reach was asked for.
+void warn_of_short_bands(const SceneModel& scene, const ConvertRequest& options, double reached,
+                         double voxel, Context& context) {
+  for (const ShortBand& band : scene.short_bands) {
+    const double share = band.share * reached / voxel;
+    if (share >= 1) continue;
+    const double width = std::floor(10 * share * options.width) / 10;
+    std::string remedy = fmt::format("a --voxel of {:.3g}", share * voxel);
+    if (width >= 1) remedy += fmt::format(", a --width of {:g}", width);
+    if (options.dense || options.exwidth > 0 || options.inwidth > 0) remedy.clear();
+    context.warn(fmt::format(
+        "{}: line {}: the band of {} is narrower than what is made: further from its surface than "
+        "{:.3g} voxels the values are bounds, smaller than the distances; {}{}",
+        options.input, band.line, band.file, share * options.width,
+        remedy.empty() ? "" : "use " + remedy + ", or ",
+        fmt::format("convert its mesh with --width {:g}",
+                    std::ceil(band.width * voxel / reached))));
+  }
 }
 
 struct Converted {
@@ -86,14 +118,20 @@ void paint(const SceneModel& scene, const ConvertRequest& options, Made& made, C
 
 Exit convert_scene(const ConvertRequest& options, Context& context) {
   Stopwatch watch;
-  const SceneModel scene = load_scene(options.input, options.time, context);
+  const FieldConvertOptions convert = field_options(options);
+  const SceneModel scene =
+      load_scene(options.input, options.time, context,
+                 [&](const Field& field) { return reach_of(field, options, convert); });
   check_has_end(scene, options.input);
   watch.lap("read");
+  double reached = 0;
   auto [made, evaluated, within] = naming(options.input, [&] {
-    const FieldConvertOptions convert = field_options(options);
-    check_voxel(options, choose_lattice(scene.field, convert).voxel);
+    reached = choose_lattice(scene.field, convert).voxel;
+    check_voxel(options, reached);
     return convert_field_of(scene, options, convert, context);
   });
+  warn_of_short_bands(scene, options, reached, made.dense ? reached : made.grid.lattice().voxel,
+                      context);
   watch.lap("voxelize");
   paint(scene, options, made, context);
   watch.lap("paint");

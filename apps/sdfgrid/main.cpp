@@ -12,6 +12,7 @@
 #include "command.h"
 #include "help.h"
 #include "interrupt.h"
+#include "options.h"
 #include "progress.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/isa.h"
@@ -35,7 +36,7 @@ struct Failure {
 
 void add_common_options(CLI::App& app, CommonOptions& options) {
   app.add_option("--threads", options.threads, "threads to use; 0 means all cores")
-      ->check(CLI::Range(0, 1024))
+      ->check(whole_number(0, 1024))
       ->type_name("N");
   app.add_flag("--json", options.json, "print the result as one JSON object");
   app.add_flag("--quiet", options.quiet, "no progress and no warnings on standard error");

@@ -61,6 +61,17 @@ CLI::Validator finite_number() {
       "");
 }
 
+CLI::Validator whole_number(std::int64_t lo, std::int64_t hi) {
+  return CLI::Validator(
+      [lo, hi](const std::string& text) {
+        std::int64_t value = 0;
+        const bool whole = CLI::detail::lexical_cast(text, value) && value >= lo && value <= hi;
+        return whole ? std::string()
+                     : fmt::format("'{}' is not a whole number from {} to {}", text, lo, hi);
+      },
+      fmt::format("INT in [{} - {}]", lo, hi));
+}
+
 std::string extension_of(const std::string& path) {
   std::string extension = fs::path(path).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,6 +28,9 @@ void check_output(const Output& output);
 
 // A check for options: refuses nan and infinity, which comparisons with a range let pass.
 [[nodiscard]] CLI::Validator finite_number();
+
+// The same: whole numbers from lo to hi.
+[[nodiscard]] CLI::Validator whole_number(std::int64_t lo, std::int64_t hi);
 
 // The extension of a path in lower case with its dot: "bunny.VDB" -> ".vdb".
 [[nodiscard]] std::string extension_of(const std::string& path);

@@ -376,7 +376,7 @@ Run add_render(CLI::App& app) {
   app.add_option(
          "--dim", options->dim,
          "voxels along the longest side of a mesh or volume; half the picture's size if not given")
-      ->check(CLI::Range(2, 1 << 20));
+      ->check(whole_number(2, 1 << 20));
   add_camera(app, *options);
   add_surface_options(app, options->surface);
   add_scene_options(app, options->time);
@@ -387,7 +387,7 @@ Run add_render(CLI::App& app) {
   app.add_option("--samples", options->look.samples,
                  "rays for a pixel with an edge in it; 1 for no antialiasing")
       ->capture_default_str()
-      ->check(CLI::Range(1, 256));
+      ->check(whole_number(1, 256));
   app.add_flag_callback(
       "--no-floor", [options] { options->look.floor = false; }, "no shadow under the content");
   return [options, &app](Context& context) { return run(*options, app, context); };

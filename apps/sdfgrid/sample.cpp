@@ -212,7 +212,7 @@ Run add_sample(CLI::App& app) {
                                 "n x 3 array (.npy) of points, or a text with one a line");
   auto* random = app.add_option("--random", options->random,
                                 "as many points at random in the bounds and around")
-                     ->check(CLI::Range(1, 1000000000))
+                     ->check(whole_number(1, 1000000000))
                      ->excludes(points);
   app.add_flag("--near-surface", options->near_surface,
                "random points about the surface, 1 % of the diagonal away")

@@ -12,10 +12,15 @@ void add_scene_options(CLI::App& app, double& time) {
 
 bool names_scene(const std::string& path) { return has_extension(path, scene_extensions()); }
 
-SceneModel load_scene(const std::string& path, double time, Context& context) {
+SceneModel load_scene(const std::string& path, double time, Context& context,
+                      const ReachOf& reach_of) {
   const SceneFile file = read_scene(path);
   for (const std::string& warning : file.warnings) context.warn(warning);
   SceneModel model = build_scene(file.scene, path, time, context.job());
+  if (reach_of && model.has_grids && !model.endless) {
+    const SceneReach reach = naming(path, [&] { return reach_of(model.field); });
+    model = build_scene(file.scene, path, time, context.job(), reach);
+  }
   for (const std::string& warning : model.warnings) context.warn(warning);
   return model;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <string>
 
 #include "command.h"
@@ -16,8 +17,11 @@ void add_scene_options(CLI::App& app, double& time);
 // Whether the path ends like a scene's.
 [[nodiscard]] bool names_scene(const std::string& path);
 
-// Reads a scene and makes its field; warnings go to the context.
-[[nodiscard]] SceneModel load_scene(const std::string& path, double time, Context& context);
+// Reads a scene and makes its field; warnings go to the context. `reach_of` says, of the scene as
+// it is, how far from its surface its grids and meshes are to hold distances (build_scene()).
+using ReachOf = std::function<SceneReach(const Field& field)>;
+[[nodiscard]] SceneModel load_scene(const std::string& path, double time, Context& context,
+                                    const ReachOf& reach_of = nullptr);
 
 // What `work` returns; if it refuses the scene, the message names the file.
 template <class Work>

@@ -312,7 +312,7 @@ Run add_sculpt(CLI::App& app) {
   app.add_flag("--resume", options->resume,
                "open the session; the first strokes of the file are left out, as many as the "
                "session ends with");
-  const CLI::Range count(1, std::numeric_limits<int>::max());
+  const CLI::Validator count = whole_number(1, std::numeric_limits<int>::max());
   app.add_option("--undo", options->undo, "undo the last N strokes of the session")
       ->type_name("N")
       ->check(count);

@@ -80,12 +80,18 @@ bool is_paint(const openvdb::GridBase& grid) {
   return grid.getName() == kPaintName && grid.isType<openvdb::Int32Grid>();
 }
 
+bool begins_with(const std::string& path, std::string_view word) {
+  std::string begins(word.size(), '\0');
+  std::ifstream(path, std::ios::binary).read(begins.data(), std::ssize(begins));
+  return begins == word;
+}
+
 // By its name or, if that is another, by the word that it begins with.
 bool is_nanovdb(const std::string& path) {
-  char word[7] = {};
-  std::ifstream(path, std::ios::binary).read(word, sizeof word);
-  return path.ends_with(".nvdb") || std::string_view(word, sizeof word) == "NanoVDB";
+  return path.ends_with(".nvdb") || begins_with(path, "NanoVDB");
 }
+
+bool is_openvdb(const std::string& path) { return begins_with(path, " BDV"); }
 
 // The grid of the file that suits best, with its paint.
 Grid read_best(const std::string& path, int (*score_of)(const openvdb::GridBase& grid)) {
@@ -96,6 +102,13 @@ Grid read_best(const std::string& path, int (*score_of)(const openvdb::GridBase&
   if (is_nanovdb(path)) {
     throw input_error(path, "", "it is a NanoVDB file, which is written, but not read",
                       "give the .vdb of the same");
+  }
+  if (!std::ifstream(path)) {
+    throw input_error(path, "", "it cannot be opened", "check its permissions");
+  }
+  if (!is_openvdb(path)) {
+    throw input_error(path, "", "it is no OpenVDB file",
+                      "`sdfgrid convert` makes one of a mesh, a volume or a scene");
   }
   openvdb::GridBase::Ptr best;
   openvdb::GridBase::Ptr paint;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/mesh/read_formats.h"
@@ -26,14 +27,21 @@ constexpr const char* kKnown = "convert it to OBJ, PLY, STL, OFF or OM";
 // Ears cost the square of a polygon's corners.
 constexpr std::size_t kMostCorners = 20000;
 
+constexpr std::pair<const char*, Reader> kReaders[] = {
+    {".obj", mesh_io::read_obj}, {".ply", mesh_io::read_ply}, {".stl", mesh_io::read_stl},
+    {".off", mesh_io::read_off}, {".om", mesh_io::read_om},   {".stla", mesh_io::read_stl},
+    {".stlb", mesh_io::read_stl}};
+
 Reader reader_of(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (extension == ".obj") return mesh_io::read_obj;
-  if (extension == ".off") return mesh_io::read_off;
-  if (extension == ".om") return mesh_io::read_om;
-  if (extension == ".ply") return mesh_io::read_ply;
-  if (extension == ".stl" || extension == ".stla" || extension == ".stlb") return mesh_io::read_stl;
+  for (const auto& [known, reader] : kReaders) {
+    if (extension == known) return reader;
+  }
+  std::error_code none;
+  if (!std::filesystem::exists(path, none)) {
+    throw input_error(path, "", "there is no such file", "check the path");
+  }
   throw input_error(path, "name", fmt::format("'{}' is not the extension of a mesh", extension),
                     kKnown);
 }
@@ -209,6 +217,15 @@ void check_size(const Source& source, const Box& box) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& mesh_extensions() {
+  static const std::vector<std::string> all = [] {
+    std::vector<std::string> extensions;
+    for (const auto& [extension, reader] : kReaders) extensions.emplace_back(extension);
+    return extensions;
+  }();
+  return all;
+}
 
 MeshFile read_mesh(const std::string& path, const Job& job) {
   const Reader reader = reader_of(path);

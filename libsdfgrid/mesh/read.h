@@ -18,6 +18,9 @@ struct MeshFile {
   std::size_t faces = 0;              // faces in the file, polygons counted once
 };
 
+// The extensions of meshes, lower case with the dot.
+[[nodiscard]] const std::vector<std::string>& mesh_extensions();
+
 // Reads OBJ, PLY, STL and OFF (text and binary) and OpenMesh's OM; the file's extension says which.
 //
 // Polygons are triangulated, points that coincide exactly are merged, and whatever is not surface

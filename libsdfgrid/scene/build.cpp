@@ -9,75 +9,34 @@
 
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/field/formula.h"
-#include "sdfgrid/grid/convert.h"
-#include "sdfgrid/grid/paint.h"
-#include "sdfgrid/mesh/read.h"
 #include "sdfgrid/scene/files.h"
+#include "sdfgrid/scene/sampled_files.h"
 #include "sdfgrid/scene/words.h"
-#include "sdfgrid/trace/atlas_seen.h"
-#include "sdfgrid/trace/grid_sampler.h"
 
 namespace sdfgrid {
 namespace {
 
 class SceneBuilder {
  public:
-  SceneBuilder(const Scene& scene, const std::string& file, double time, const Job& job)
-      : scene_(scene), file_(file), time_(time), job_(job) {}
+  SceneBuilder(const Scene& scene, const std::string& file, double time, const Job& job,
+               const SceneReach& reach)
+      : scene_(scene), file_(file), time_(time), job_(job), reach_(reach) {}
 
   SceneModel build() {
     for (const SceneMaterial& material : scene_.materials) {
-      tags_[material.name] = add_material(read_material(material), material.name);
+      tags_[material.name] = model_.add_material(read_material(material), material.name);
     }
     read_camera();
     do {
       endless_.clear();
       std::vector<Field> nodes = fields(scene_.nodes);
       if (!nodes.empty()) model_.field = make_field("union", {}, nodes);
-    } while (widen_bands());
+    } while (files_.widen(reach_));
     if (!endless_.empty()) model_.endless = endless_.front();
     return std::move(model_);
   }
 
  private:
-  // A file as a leaf.
-  struct Sampled {
-    std::shared_ptr<const Sampler> sampler;
-    std::string path;
-    int dim = 0;       // of a mesh; 0 for a grid
-    double width = 3;  // of a mesh's band, voxels
-    int tag = -1;      // of what is not painted, if the grid says how that looks
-  };
-
-  // Where offsets, blends and such look beyond the band of a mesh, drops its grid and asks for a
-  // wider one; returns whether it did. Throws Error{input} for a grid.
-  bool widen_bands() {
-    bool any = false;
-    for (const SamplerUse& use : model_.field.sampler_uses()) {
-      const double inside = use.sampler->reach_inside();
-      const double outside = use.sampler->reach_outside();
-      if (-use.lo <= inside && use.hi <= outside) continue;
-      const double times = std::max(-use.lo / inside, use.hi / outside);
-      const auto found = std::find_if(samplers_.begin(), samplers_.end(), [&](const auto& known) {
-        return known.second.sampler.get() == use.sampler;
-      });
-      Sampled& sampled = found->second;
-      if (sampled.dim == 0) {
-        throw input_error(
-            file_, "",
-            fmt::format("an offset, shell, blend or displacement looks {:.4g} inwards and {:.4g} "
-                        "outwards of the surface of {}, whose distances end at {:.4g} and {:.4g}",
-                        std::fabs(use.lo), use.hi, sampled.path, inside, outside),
-            fmt::format("convert its mesh again, with a band {:.1f} times as wide (--width)",
-                        std::ceil(10.5 * times) / 10));
-      }
-      sampled.width = std::ceil(1.05 * sampled.width * times) + 1;
-      sampled.sampler.reset();
-      any = true;
-    }
-    return any;
-  }
-
   [[nodiscard]] double number(const SceneNumber& n) const {
     return n.formula.empty() ? n.value : parse_number(n.formula, time_);
   }
@@ -93,6 +52,11 @@ class SceneBuilder {
     throw input_error(file_, "",
                       fmt::format("`{}` must be a number from {} to {}", value.name, lo, hi),
                       "give one");
+  }
+  [[nodiscard]] int whole(const SceneValue& value, int lo, int hi) const {
+    const double v = one(value, lo, hi);
+    if (v == std::floor(v)) return static_cast<int>(v);
+    throw Error(ErrorKind::input, fmt::format("`{}` is {:g}; give a whole number", value.name, v));
   }
   [[nodiscard]] glm::dvec3 three(const SceneValue& value) const {
     const std::vector<double> v = numbers(value.numbers);
@@ -229,97 +193,39 @@ class SceneBuilder {
     }
   }
 
-  // One a file, however often it is named.
-  const Sampled& sampled(const SceneNode& node) {
-    const bool mesh = node.op == "mesh";
+  const SampledFile& sampled(const SceneNode& node) {
     std::string name;
-    int dim = kMeshDim;
+    int dim = node.op == "mesh" ? kMeshDim : 0;
     for (const SceneValue& value : node.values) {
       if (value.name == "file") name = value.text;
-      if (value.name == "dim") dim = static_cast<int>(one(value, 2, 4096));
+      if (value.name == "dim") dim = whole(value, 2, 4096);
     }
     if (name.empty()) throw Error(ErrorKind::input, node.op + ": `file` is missing");
-    const std::string path = beside(name);
-    Sampled& known = samplers_[fmt::format("{} {}", mesh ? dim : 0, path)];
-    if (known.sampler != nullptr) return known;
-    known.path = path;
-    known.dim = mesh ? dim : 0;
-    const Grid grid = mesh ? convert(known) : read_grid(path);
-    std::map<int, int> tags = paint_tags(grid);
-    known.tag = tags.contains(0) ? tags[0] : -1;
-    tags.erase(0);
-    known.sampler = make_sampler(grid, job_, tags);
-    model_.has_grids = true;
-    return known;
-  }
-
-  int add_material(const Material& material, const std::string& name) {
-    model_.materials.push_back(material);
-    model_.names.push_back(name);
-    return static_cast<int>(model_.materials.size()) - 1;
-  }
-
-  // The materials that a grid is painted with: the scene's of that number, or else as a grid alone
-  // shows them. 0, what is not painted, is among them if the grid says how that looks.
-  std::map<int, int> paint_tags(const Grid& grid) {
-    const std::map<int, PaintLook> looks = paint_looks(grid);
-    std::map<int, int> tags;
-    if (looks.contains(0)) tags[0] = tag_of(looks.at(0));
-    for (const auto& [material, count] : paint_counts(grid)) {
-      const std::string number = std::to_string(material);
-      const auto named = tags_.find(number);
-      const auto look = looks.find(material);
-      if (named != tags_.end()) {
-        tags[material] = named->second;
-      } else if (look != looks.end()) {
-        tags[material] = tag_of(look->second);
-      } else {
-        const Material shown = paint_look(material);
-        tags[material] = tag_of({shown.diffuse, shown.specular, shown.exponent, number});
-      }
-    }
-    return tags;
-  }
-
-  // Grids that say the same share it.
-  int tag_of(const PaintLook& look) {
-    for (const auto& [known, tag] : looks_) {
-      if (known == look) return tag;
-    }
-    return looks_.emplace_back(look, add_material(paint_look(0, look), look.name)).second;
-  }
-
-  void warn(const std::string& text) {
-    std::vector<std::string>& all = model_.warnings;
-    if (std::find(all.begin(), all.end(), text) == all.end()) all.push_back(text);
-  }
-
-  Grid convert(const Sampled& from) {
-    const MeshFile mesh = read_mesh(from.path, job_);
-    for (const std::string& warning : mesh.warnings) warn(warning);
-    ConvertOptions options;
-    options.dim = from.dim;
-    options.band = {from.width, from.width};
-    Conversion made = convert_mesh(mesh.soup, options, job_);
-    for (const std::string& warning : made.warnings) warn(warning);
-    return made.grid;
+    return files_.get(beside(name), name, dim, node.place.line);
   }
 
   const Scene& scene_;
   const std::string& file_;
   double time_;
   const Job& job_;
+  SceneReach reach_;
   SceneModel model_;
-  std::map<std::string, int> tags_;               // of the scene's own materials
-  std::vector<std::pair<PaintLook, int>> looks_;  // of grids, with their tags
-  std::map<std::string, Sampled> samplers_;       // by dim and path
+  std::map<std::string, int> tags_;  // of the scene's own materials
+  SampledFiles files_{file_, tags_, model_, job_};
   std::vector<EndlessNode> endless_;
 };
 
 }  // namespace
 
-SceneModel build_scene(const Scene& scene, const std::string& file, double time, const Job& job) {
-  return SceneBuilder(scene, file, time, job).build();
+int SceneModel::add_material(const Material& material, const std::string& name) {
+  materials.push_back(material);
+  names.push_back(name);
+  return static_cast<int>(materials.size()) - 1;
+}
+
+SceneModel build_scene(const Scene& scene, const std::string& file, double time, const Job& job,
+                       const SceneReach& reach) {
+  return SceneBuilder(scene, file, time, job, reach).build();
 }
 
 void check_has_end(const SceneModel& scene, const std::string& file) {

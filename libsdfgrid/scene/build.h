@@ -26,6 +26,21 @@ struct EndlessNode {
   int axis = 0;
 };
 
+// Up to which values, world units and both positive, the scene's field is to say how far away the
+// surface is, for who looks at more than the surface itself.
+struct SceneReach {
+  double inside = 0;
+  double outside = 0;
+};
+
+// A grid of a scene whose distances end before the reach that was asked for.
+struct ShortBand {
+  std::string file;
+  int line = 0;      // of a node that names it
+  double share = 0;  // of that reach, within which the scene's field is right
+  double width = 0;  // voxels of the band that its mesh would have to be converted with
+};
+
 struct SceneModel {
   Field field;  // tag_at() gives the index of a surface's material, or -1
   std::vector<Material> materials;
@@ -33,14 +48,20 @@ struct SceneModel {
   SceneCamera camera;
   bool has_grids = false;              // or meshes, whose fields are cut off at the end of a band
   std::optional<EndlessNode> endless;  // the first one
-  std::vector<std::string> warnings;   // of the meshes that were converted
+  std::vector<ShortBand> short_bands;
+  std::vector<std::string> warnings;  // of the meshes that were converted
+
+  // Returns its tag.
+  int add_material(const Material& material, const std::string& name);
 };
 
 // The scene at `time`. Files that it names are relative to the folder of `file`, which is also its
-// name in messages. Throws Error{input} with the node's line for parameters out of range, fields
-// without a bound (with the op's name and the remedy), files that cannot be read.
+// name in messages. Meshes are converted with bands as wide as the scene and `reach` need. Throws
+// Error{input} with the node's line for parameters out of range, fields without a bound (with the
+// op's name and the remedy), files that cannot be read or are of another kind, and grids whose band
+// the scene itself needs wider.
 [[nodiscard]] SceneModel build_scene(const Scene& scene, const std::string& file, double time,
-                                     const Job& job);
+                                     const Job& job, const SceneReach& reach = {});
 
 // For what needs a scene with an end. Throws Error{input} that names the node, its line in `file`
 // and the remedy.

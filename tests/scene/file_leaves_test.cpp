@@ -37,6 +37,14 @@ class SceneOfCube : public testing::Test {
     return "";
   }
 
+  void write_cube(double width) {
+    ConvertOptions options;
+    options.dim = 48;
+    options.band = {width, width};
+    write_grid(convert_mesh(read_mesh(cube_, Job()).soup, options, Job()).grid,
+               folder_.path("cube.vdb"));
+  }
+
   test::Folder folder_;
   std::string cube_ = folder_.write("cube.off", test::cube_off());
   std::string mesh_ = "{mesh: {file: cube.off, dim: 48}}";
@@ -190,15 +198,72 @@ TEST_F(SceneOfCube, GridsOfAllKindsAreBounds) {
   }
 }
 
+// With line, file and the width that is enough: converted with that, they are taken.
 TEST_F(SceneOfCube, GridsWithTooNarrowABandAreRefused) {
-  ConvertOptions options;
-  options.dim = 48;
-  write_grid(convert_mesh(read_mesh(cube_, Job()).soup, options, Job()).grid,
-             folder_.path("cube.vdb"));
+  write_cube(3);
   EXPECT_EQ(refusal("{offset: {by: 0.03, of: {grid: {file: cube.vdb}}}}"), "");
-  const std::string message = refusal("{offset: {by: 0.5, of: {grid: {file: cube.vdb}}}}");
-  EXPECT_NE(message.find("cube.vdb"), std::string::npos) << message;
-  EXPECT_NE(message.find("--width"), std::string::npos) << message;
+  for (const char* scene : {"{offset: {by: 0.5, of: {grid: {file: cube.vdb}}}}",
+                            "{shell: {thickness: 0.3, of: {grid: {file: cube.vdb}, scale: 2}}}",
+                            "{offset: {by: -0.2, of: {grid: {file: cube.vdb}}}}"}) {
+    write_cube(3);
+    const std::string message = refusal(scene);
+    EXPECT_NE(message.find("s.yaml: line 2: "), std::string::npos) << message;
+    EXPECT_NE(message.find("cube.vdb"), std::string::npos) << message;
+    const std::size_t width = message.find("--width ");
+    ASSERT_NE(width, std::string::npos) << message;
+    write_cube(std::stod(message.substr(width + 8)));
+    EXPECT_EQ(refusal(scene), "");
+  }
+}
+
+// Who looks at values beyond the surface gets meshes that have them, and is told of grids that have
+// not: how far they reach, and what width would do.
+TEST_F(SceneOfCube, FilesReachAsFarAsIsAskedOrSayThatTheyDoNot) {
+  const auto build = [&](const std::string& scene, const SceneReach& reach) {
+    const std::string path = folder_.write("s.yaml", "sdfgrid: 1\nscene: " + scene + "\n");
+    return build_scene(read_scene(path).scene, path, 0, Job(), reach);
+  };
+  const glm::vec3 middle(0.5F);
+  EXPECT_GT(build(mesh_, {}).field(middle), -0.1);
+  const SceneModel wide = build(mesh_, {0.4, 0.2});
+  EXPECT_LT(wide.field(middle), -0.4 / 1.75);  // pressed together, by up to 1.7
+  EXPECT_TRUE(wide.short_bands.empty());
+
+  write_cube(3);
+  const std::string grid = "{grid: {file: cube.vdb}, scale: 2}";
+  const SceneReach reach{0.5, 0.3};
+  const std::vector<ShortBand> bands = build(grid, reach).short_bands;
+  ASSERT_EQ(bands.size(), 1U);
+  EXPECT_EQ(bands[0].line, 2);
+  EXPECT_TRUE(bands[0].file.ends_with("cube.vdb"));
+  EXPECT_GT(bands[0].share, 0.05);
+  EXPECT_LT(bands[0].share, 0.3);
+  const auto short_at = [&](double share) {
+    return build(grid, {share * reach.inside, share * reach.outside}).short_bands.size();
+  };
+  EXPECT_EQ(short_at(0.99 * bands[0].share), 0U);
+  EXPECT_EQ(short_at(1.01 * bands[0].share), 1U);
+  write_cube(bands[0].width);
+  EXPECT_TRUE(build(grid, reach).short_bands.empty());
+}
+
+TEST_F(SceneOfCube, FilesUnderTheWrongWordAreToldTheRightOne) {
+  write_cube(3);
+  (void)folder_.write("ball.yaml", "sdfgrid: 1\nscene: {sphere: {}}\n");
+  (void)folder_.write("dabs.yaml", "sdfgrid-strokes: 1\nstrokes: []\n");
+  const std::pair<std::string, std::string> wrong[] = {
+      {"{grid: {file: cube.off}}", "cube.off: it is a mesh; write mesh: {file: cube.off}"},
+      {"{mesh: {file: cube.vdb}}", "cube.vdb: it is a grid; write grid: {file: cube.vdb}"},
+      {"{grid: {file: ball.yaml}}", "ball.yaml: it is a scene, no grid; make a grid of it by"},
+      {"{mesh: {file: ball.yaml}}", "ball.yaml: it is a scene, no mesh; make a grid of it by"},
+      {"{mesh: {file: dabs.yaml}}", "dabs.yaml: it is a stroke file, no mesh; apply it to a grid"},
+      {"{grid: {file: nowhere.vdb}}", "nowhere.vdb: no such file"},
+      {"{mesh: {file: cube.off, dim: 12.5}}", "`dim` is 12.5; give a whole number"}};
+  for (const auto& [scene, told] : wrong) {
+    const std::string message = refusal(scene);
+    EXPECT_NE(message.find("s.yaml: line 2"), std::string::npos) << message;
+    EXPECT_NE(message.find(told), std::string::npos) << message;
+  }
 }
 
 TEST_F(SceneOfCube, NormalsHoldFarFromTheOrigin) {

@@ -59,6 +59,29 @@ scene: [{sphere: {}, material: red}, {sphere: {}, at: [3, 0, 0], material: blue}
   EXPECT_NE(json::parse(outcome.out)["warnings"].dump().find("holds no paint"), std::string::npos);
 }
 
+// What a grid of the scene does not know, the grid that is made does not say, and that is told.
+TEST_F(SceneApp, TellsWhatBandItsGridsCannotFill) {
+  ASSERT_EQ(run({"convert", scene_, "-o", folder_.path("a.vdb"), "--dim", "60"}).exit, 0);
+  const std::string holds =
+      folder_.write("holds.yaml", "sdfgrid: 1\nscene:\n  - grid: {file: a.vdb}\n");
+  const auto warnings = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"convert", holds,   "-o", folder_.path("b.vdb"),
+                                      "--force", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.exit, 0) << outcome.error;
+    return json::parse(outcome.out)["warnings"].dump();
+  };
+  const std::string told = warnings({"--dim", "60", "--width", "8"});
+  EXPECT_NE(told.find("holds.yaml: line 3: the band of"), std::string::npos) << told;
+  const std::size_t width = told.find("a --width of ");
+  ASSERT_NE(width, std::string::npos) << told;
+  const std::string possible = told.substr(width + 13, told.find(',', width) - width - 13);
+  EXPECT_EQ(warnings({"--dim", "60", "--width", possible}), "[]");
+  EXPECT_NE(warnings({"--dim", "20"}).find("a --voxel of"), std::string::npos);
+  EXPECT_NE(warnings({"--dim", "20", "--dense"}).find("convert its mesh"), std::string::npos);
+}
+
 TEST_F(SceneApp, BecomesAPicture) {
   const Outcome outcome =
       run({"render", scene_, "-o", folder_.path("scene.png"), "--size", "64x64", "--json"});
