@@ -8,12 +8,14 @@
 #include <utility>
 
 #include "command.h"
+#include "info_strokes.h"
 #include "inputs.h"
 #include "options.h"
 #include "scenes.h"
 #include "sdfgrid/grid/grid.h"
 #include "sdfgrid/grid/paint.h"
 #include "sdfgrid/mesh/diagnose.h"
+#include "sdfgrid/scene/file_kind.h"
 
 namespace sdfgrid::cli {
 namespace {
@@ -25,15 +27,6 @@ struct Options {
 };
 
 Json triple(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
-void report_bounds(const Box& box, Context& context) {
-  context.result()["bounds"] = box.empty() ? Json() : Json{triple(box.lo), triple(box.hi)};
-  if (box.empty()) return;
-  const glm::dvec3 size = box.size();
-  context.print("bounds     {:.9g} {:.9g} {:.9g} to {:.9g} {:.9g} {:.9g}", box.lo.x, box.lo.y,
-                box.lo.z, box.hi.x, box.hi.y, box.hi.z);
-  context.print("size       {:.9g} x {:.9g} x {:.9g}", size.x, size.y, size.z);
-}
 
 // Which way a mesh faces, in one word.
 std::string_view orientation(const MeshDiagnosis& diagnosis) {
@@ -185,6 +178,12 @@ void report_scene(const std::string& path, double time, Context& context) {
 }
 
 Exit run(const Options& options, const CLI::App& app, Context& context) {
+  const FileKind kind = kind_of_file(options.input);
+  if (kind == FileKind::session || kind == FileKind::strokes) {
+    if (kind == FileKind::session) report_session(options.input, context);
+    if (kind == FileKind::strokes) report_strokes(options.input, context);
+    return Exit::done;
+  }
   check_options_for(app, {kind_of(options.input, false)});
   if (names_scene(options.input)) {
     report_scene(options.input, options.time, context);
@@ -206,10 +205,20 @@ Exit run(const Options& options, const CLI::App& app, Context& context) {
 
 }  // namespace
 
+void report_bounds(const Box& box, Context& context) {
+  context.result()["bounds"] = box.empty() ? Json() : Json{triple(box.lo), triple(box.hi)};
+  if (box.empty()) return;
+  const glm::dvec3 size = box.size();
+  context.print("bounds     {:.9g} {:.9g} {:.9g} to {:.9g} {:.9g} {:.9g}", box.lo.x, box.lo.y,
+                box.lo.z, box.hi.x, box.hi.y, box.hi.z);
+  context.print("size       {:.9g} x {:.9g} x {:.9g}", size.x, size.y, size.z);
+}
+
 Run add_info(CLI::App& app) {
   auto options = std::make_shared<Options>();
   app.add_option("FILE", options->input,
-                 "mesh (.obj, .ply, .stl, .off, .om), volume, grid (.vdb) or scene (.yaml, .json)")
+                 "mesh (.obj, .ply, .stl, .off, .om), volume, grid (.vdb), scene (.yaml, .json), "
+                 "stroke file or the folder of a session")
       ->required();
   add_volume_options(app, options->volume);
   add_scene_options(app, options->time);

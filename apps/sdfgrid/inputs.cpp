@@ -11,6 +11,7 @@
 #include "sdfgrid/grid/grid.h"
 #include "sdfgrid/image/stack.h"
 #include "sdfgrid/mesh/read.h"
+#include "sdfgrid/scene/file_kind.h"
 #include "sdfgrid/volume/isosurface.h"
 #include "sdfgrid/volume/regions.h"
 
@@ -162,6 +163,11 @@ void add_surface_options(CLI::App& app, SurfaceOptions& options) {
 }
 
 InputKind kind_of(const std::string& path, bool iso) {
+  const FileKind kind = kind_of_file(path);
+  if (kind == FileKind::session || kind == FileKind::strokes) {
+    throw input_error(path, "", fmt::format("it is {}, which is not taken here", noun_of(kind)),
+                      way_to_grid(kind, path));
+  }
   if (names_scene(path)) return InputKind::scene;
   if (names_volume(path)) return InputKind::volume;
   if (extension_of(path) == ".vdb") return iso ? InputKind::volume : InputKind::grid;

@@ -83,6 +83,10 @@ bool has_extension(const std::string& path, const std::vector<std::string>& exte
   return std::find(extensions.begin(), extensions.end(), extension_of(path)) != extensions.end();
 }
 
+std::string counted(std::size_t count, const std::string& what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 std::string one_of(const std::vector<std::string>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i) {

@@ -39,6 +39,9 @@ void check_output(const Output& output);
 [[nodiscard]] bool has_extension(const std::string& path,
                                  const std::vector<std::string>& extensions);
 
+// "1 stroke", "2 strokes".
+[[nodiscard]] std::string counted(std::size_t count, const std::string& what);
+
 // "a, b or c".
 [[nodiscard]] std::string one_of(const std::vector<std::string>& words);
 

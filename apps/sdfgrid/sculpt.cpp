@@ -15,6 +15,7 @@
 #include "sdfgrid/edit/sculptor.h"
 #include "sdfgrid/edit/session.h"
 #include "sdfgrid/edit/stroke_file.h"
+#include "sdfgrid/scene/file_kind.h"
 #include "sdfgrid/scene/stamp.h"
 
 namespace sdfgrid::cli {
@@ -33,8 +34,11 @@ struct Options {
   std::size_t redo = 0;
 };
 
-const std::vector<std::pair<std::string, std::optional<Redistance>>> kRedistances = {
-    {"off", Redistance::off}, {"local", Redistance::local}, {"full", Redistance::full}};
+std::vector<std::pair<std::string, std::optional<Redistance>>> redistance_choices() {
+  std::vector<std::pair<std::string, std::optional<Redistance>>> choices;
+  for (const Redistance mode : kRedistances) choices.emplace_back(redistance_word(mode), mode);
+  return choices;
+}
 
 struct Totals {
   std::size_t strokes = 0;
@@ -83,12 +87,32 @@ void check(const Options& options) {
   check_output(options.output);
 }
 
+Grid read_input(const Options& options) {
+  check_is_grid(options.input);
+  return read_grid(options.input);
+}
+
 StrokeFile read_stroke_file(const Options& options, FileStamps& stamps, Context& context) {
   if (options.strokes.empty()) return {};
+  check_is_strokes(options.strokes);
   StrokeFile file = read_strokes(options.strokes, &stamps);
-  for (const std::string& warning : file.warnings) context.warn(warning);
+  for (const StrokeWarning& warning : file.warnings) {
+    const bool unknown = warning.kind == StrokeWarning::Kind::unknown_word;
+    if (!unknown || options.session.empty()) {
+      context.warn(warning.text);
+      continue;
+    }
+    throw Error(ErrorKind::input,
+                warning.text +
+                    "; a session records only what it understands: mend the word or take "
+                    "it out");
+  }
   for (const std::string& warning : stamps.warnings()) context.warn(warning);
   return file;
+}
+
+std::string place_of(const StrokeFile& file, std::size_t i, const Options& options) {
+  return fmt::format("{}: line {}: stroke {}", options.strokes, file.strokes[i].line, i + 1);
 }
 
 // Applies stroke i of the file by `apply`, which returns its report; what it refuses is the file's
@@ -102,10 +126,10 @@ StrokeReport apply_one(const StrokeFile& file, std::size_t i, std::size_t stand,
     if (e.kind() != ErrorKind::usage) throw;
     throw Error(
         ErrorKind::input,
-        fmt::format("{}: stroke {}: {}{}", options.strokes, i + 1, e.what(),
-                    stand > 0 ? fmt::format("; {} before it stand in the session: mend the file "
+        fmt::format("{}: {}{}", place_of(file, i, options), e.what(),
+                    stand > 0 ? fmt::format("; {} before it {} in the session: mend the file "
                                             "and go on with --resume",
-                                            stand)
+                                            stand, stand == 1 ? "stands" : "stand")
                               : ""));
   }
 }
@@ -120,7 +144,7 @@ Totals apply_all(const StrokeFile& file, std::size_t first, const Options& optio
     const std::size_t stand = options.session.empty() ? 0 : i - first;
     const StrokeReport report = apply_one(file, i, stand, options, apply);
     for (const std::string& warning : report.warnings) {
-      context.warn(fmt::format("{}: stroke {}: {}", options.strokes, i + 1, warning));
+      context.warn(fmt::format("{}: {}", place_of(file, i, options), warning));
     }
     totals.dabs += report.dabs;
     totals.bricks += report.bricks_touched;
@@ -153,15 +177,15 @@ void describe(const Totals& totals, const Stopwatch& watch, Context& context) {
   result["seconds"] = seconds;
   result["dabs_per_second"] = edit > 0 ? static_cast<double>(totals.dabs) / edit : 0.0;
   if (totals.strokes == 0) return;
-  context.print("{} strokes, {} dabs, {} bricks touched in {:.3f} s", totals.strokes, totals.dabs,
-                totals.bricks, edit);
+  context.print("{}, {}, {} touched in {:.3f} s", counted(totals.strokes, "stroke"),
+                counted(totals.dabs, "dab"), counted(totals.bricks, "brick"), edit);
 }
 
 Exit sculpt_file(const Options& options, Context& context) {
   Stopwatch watch;
   FileStamps stamps(context.job());
   const StrokeFile file = read_stroke_file(options, stamps, context);
-  const Grid grid = read_grid(options.input);
+  const Grid grid = read_input(options);
   watch.lap("load");
   SculptOptions sculpt;
   sculpt.redistance = options.redistance.value_or(Redistance::local);
@@ -174,8 +198,8 @@ Exit sculpt_file(const Options& options, Context& context) {
   write(grid, options, context);
   watch.lap("write");
   describe(totals, watch, context);
-  context.print("{}: {} active samples in {} bricks", options.output.path, grid.active_voxels(),
-                grid.bricks());
+  context.print("{}: {} in {}", options.output.path, counted(grid.active_voxels(), "active sample"),
+                counted(grid.bricks(), "brick"));
   return Exit::done;
 }
 
@@ -201,22 +225,21 @@ void print_log(const Session& session, Context& context) {
 }
 
 // A first stroke that is refused must not leave a session without any, which the same command could
-// not begin again: it is tried on a copy.
-void try_first(const StrokeFile& file, const Grid& grid, const Options& options, Context& context) {
+// not begin again: it is looked at before.
+void check_first(const StrokeFile& file, const Grid& grid, const Options& options,
+                 Context& context) {
   if (file.strokes.empty()) return;
-  SculptOptions sculpt;
-  sculpt.redistance = Redistance::off;
-  sculpt.undo.full_bytes = 0;
-  Sculptor trial(grid.clone(), sculpt);
+  Sculptor sculptor(grid);
   (void)apply_one(file, 0, 0, options, [&](const Stroke& stroke) {
     check_recordable(stroke.text);
-    return trial.apply(stroke, context.job());
+    sculptor.check(stroke, context.job());
+    return StrokeReport();
   });
 }
 
 SessionLock begin_session(const Options& options, const StrokeFile& file, Context& context) {
-  const Grid grid = read_grid(options.input);
-  try_first(file, grid, options, context);
+  const Grid grid = read_input(options);
+  check_first(file, grid, options, context);
   return create_session(options.session, grid, options.redistance.value_or(Redistance::local));
 }
 
@@ -227,11 +250,12 @@ void go_through_history(std::size_t asked, const char* done, Context& context,
   if (asked == 0) return;
   const std::size_t count = change(asked);
   context.result()[done] = count;
-  context.print("{} of {} strokes {}", count, asked, done);
+  context.print("{} of {} {}", count, counted(asked, "stroke"), done);
   if (count == asked) return;
-  context.warn(count == 0 ? fmt::format("there is no stroke to be {}", done)
-                          : fmt::format("only {} of {} strokes were {}: there are no more", count,
-                                        asked, done));
+  context.warn(count == 0
+                   ? fmt::format("there is no stroke to be {}", done)
+                   : fmt::format("only {} of {} {} {}: there are no more", count,
+                                 counted(asked, "stroke"), count == 1 ? "was" : "were", done));
 }
 
 void check_redistance(const Session& session, const Options& options) {
@@ -269,8 +293,9 @@ Exit run_session(const Options& options, Context& context) {
   const std::size_t first = options.resume ? already_there(session, file) : 0;
   if (options.resume && !options.strokes.empty()) {
     context.result()["left_out"] = first;
-    context.print("{} of {} strokes of {} left out: the session ends with them", first,
-                  file.strokes.size(), options.strokes);
+    context.print("{} of {} of {} left out: the session ends with {}", first,
+                  counted(file.strokes.size(), "stroke"), options.strokes,
+                  first == 1 ? "it" : "them");
   }
   const Totals totals = apply_all(file, first, options, context, [&](const Stroke& stroke) {
     return session.apply(stroke, context.job());
@@ -285,7 +310,8 @@ Exit run_session(const Options& options, Context& context) {
   const std::size_t redoable = session.undone().size();
   context.result()["standing"] = standing;
   context.result()["redoable"] = redoable;
-  context.print("{}: {} strokes stand, {} can be redone", options.session, standing, redoable);
+  context.print("{}: {} {}, {} can be redone", options.session, counted(standing, "stroke"),
+                standing == 1 ? "stands" : "stand", redoable);
   return Exit::done;
 }
 
@@ -305,7 +331,7 @@ Run add_sculpt(CLI::App& app) {
   app.add_option("-o,--output,--export", options->output.path, "grid to write: .vdb")
       ->type_name("FILE");
   app.add_flag("--force", options->output.force, "write over an existing output file");
-  add_choice(app, "--redistance", options->redistance, kRedistances,
+  add_choice(app, "--redistance", options->redistance, redistance_choices(),
              "which distances are measured anew after a stroke");
   app.add_option("--session", options->session, "folder that keeps every stroke, made with GRID")
       ->type_name("DIR");

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <mutex>
 #include <set>
+#include <vector>
 
 #include "sdfgrid/core/error.h"
 
@@ -24,6 +25,14 @@ void flush_to_disk(const std::string& path, const std::string& shown) {
   if (!ok) {
     throw Error(ErrorKind::failed, shown + ": cannot be written (" + std::strerror(reason) + ")");
   }
+}
+
+// The names in a folder, too; file systems that cannot flush a folder write them with the files.
+void flush_names(const std::filesystem::path& folder) {
+  const int names = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (names < 0) return;
+  (void)::fsync(names);
+  ::close(names);
 }
 
 // The temporaries that exist now or are about to.
@@ -86,6 +95,21 @@ std::string follow_links(const std::string& path) {
   throw Error(ErrorKind::failed, path + ": the link leads to itself");
 }
 
+void create_folders(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::vector<fs::path> missing;  // the innermost first
+  std::error_code none;
+  fs::path at = fs::absolute(path).lexically_normal();
+  if (!at.has_filename()) at = at.parent_path();  // of a path that ends in '/'
+  for (; !fs::exists(at, none) && at != at.parent_path(); at = at.parent_path()) {
+    missing.push_back(at);
+  }
+  std::error_code failed;
+  fs::create_directories(path, failed);
+  if (failed) throw Error(ErrorKind::failed, path + ": " + failed.message());
+  for (const fs::path& folder : missing) flush_names(folder.parent_path());
+}
+
 void write_atomically(const std::string& path,
                       const std::function<void(const std::string& temporary)>& write) {
   namespace fs = std::filesystem;
@@ -106,12 +130,7 @@ void write_atomically(const std::string& path,
     std::error_code failed;
     fs::rename(temporary, target, failed);
     if (failed) throw Error(ErrorKind::failed, path + ": " + failed.message());
-    // The new name, too; file systems that cannot flush a folder write it with the file.
-    const int names = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (names >= 0) {
-      (void)::fsync(names);
-      ::close(names);
-    }
+    flush_names(folder);
   } catch (...) {
     fs::remove(temporary, ignored);
     throw;

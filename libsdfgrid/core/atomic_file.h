@@ -17,6 +17,10 @@ namespace sdfgrid {
 void write_atomically(const std::string& path,
                       const std::function<void(const std::string& temporary)>& write);
 
+// Makes a folder and those above it that are missing; when this returns their names are on the
+// disk. Throws Error{failed}.
+void create_folders(const std::string& path);
+
 // The path that a symbolic link leads to in the end, whether something is there or not; the path
 // itself if it is no link. Throws Error{failed} for links in a circle.
 [[nodiscard]] std::string follow_links(const std::string& path);

@@ -92,7 +92,8 @@ class Sculptor::Pass {
   Pass(Sculptor& sculptor, const Stroke& stroke, const Job& job)
       : sculptor_(sculptor), stroke_(stroke), job_(job), record_(sculptor.history_.new_record()) {}
 
-  StrokeReport run() {
+  // Throws what is wrong with the stroke itself.
+  void prepare() {
     const double voxel = sculptor_.grid_.lattice().voxel;
     PlanLimits limits;
     limits.range = sculptor_.options_.range;
@@ -102,20 +103,24 @@ class Sculptor::Pass {
     limits.max_bricks = sculptor_.options_.max_bricks;
     margin_ = limits.margin;
     plan_ = plan_stroke(stroke_, sculptor_.grid_.lattice(), limits);
-    if (stroke_.op == StrokeOp::intersect) add_bricks_beyond();
     if (stroke_.op == StrokeOp::flatten) find_normals();
+  }
+
+  StrokeReport run() {
+    prepare();
+    if (stroke_.op == StrokeOp::intersect) add_bricks_beyond();
     try {
       change();
+      sculptor_.bricks_.finish();
+      report_.dabs = plan_.dabs;
+      report_.warnings = plan_.warnings;
+      report_.bricks_touched = record_.size();
+      sculptor_.touched_ = record_.changes();
+      sculptor_.history_.push(std::move(record_));
     } catch (...) {
       record_.exchange(sculptor_.bricks_);
       throw;
     }
-    sculptor_.bricks_.finish();
-    report_.dabs = plan_.dabs;
-    report_.warnings = plan_.warnings;
-    report_.bricks_touched = record_.size();
-    sculptor_.touched_ = record_.changes();
-    sculptor_.history_.push(std::move(record_));
     return report_;
   }
 
@@ -381,6 +386,8 @@ Sculptor::Sculptor(const Grid& grid, const SculptOptions& options)
 }
 
 Sculptor::~Sculptor() = default;
+
+void Sculptor::check(const Stroke& stroke, const Job& job) { Pass(*this, stroke, job).prepare(); }
 
 StrokeReport Sculptor::apply(const Stroke& stroke, const Job& job) {
   // Beyond the band the model's distances are cut off, which a wider blend would take for nearness.

@@ -55,6 +55,8 @@ class Sculptor {
 
   // Throws Error{usage} for a stroke out of range, Error{cancelled}; the grid is then as before.
   StrokeReport apply(const Stroke& stroke, const Job& job);
+  // Throws what apply() would throw of the stroke, and changes nothing.
+  void check(const Stroke& stroke, const Job& job);
   // Whether there was a stroke to undo or redo.
   bool undo();
   bool redo();

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "sdfgrid/core/atomic_file.h"
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/edit/snapshots.h"
 #include "sdfgrid/edit/stroke_file.h"
@@ -38,12 +39,10 @@ void check_is_new(const std::string& folder) {
 SessionLock create_session(const std::string& folder, const Grid& grid, Redistance redistance) {
   SessionStart start{redistance, 0, Sculptor(grid).range()};
   check_is_new(folder);
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed) throw Error(ErrorKind::failed, folder + ": " + failed.message());
+  create_folders(folder);
   SessionLock lock(folder, SessionLock::Use::writing);
   check_is_new(folder);  // another process may have been faster
-  remove_leftovers(folder);
+  remove_leftovers(folder, {});
   write_grid(grid, folder + "/base.vdb");
   start.base_hash = fnv_hash_of_file(folder + "/base.vdb");
   create_journal(folder + "/journal", start_text(start));
@@ -61,10 +60,10 @@ Session::Session(std::string folder, const SessionOptions& options, const Job& j
   if (!lock_.held()) {
     lock_ = SessionLock(folder_, reads ? SessionLock::Use::reading : SessionLock::Use::writing);
   }
-  if (!reads) remove_leftovers(folder_);
   read_journal_file();
   read_records();
-  replay(job);
+  if (!reads) remove_leftovers(folder_, records_);
+  work_ = replay(standing_.done, job);
 }
 
 Session::~Session() = default;
@@ -133,17 +132,14 @@ void Session::read_records() {
   }
 }
 
-// The latest snapshot whose strokes all still stand; returns how many they are.
-std::size_t Session::best_snapshot(Grid& grid) {
+// The latest snapshot whose strokes are all among those; returns how many they are.
+std::size_t Session::best_snapshot(const std::vector<std::size_t>& now, Grid& grid) {
   for (const Snapshot& snapshot : find_snapshots(folder_)) {
-    // Of another journal, one that was salvaged since, say.
-    if (snapshot.records > records_.size() || snapshot.records == 0) continue;
-    if (snapshot.journal != records_[snapshot.records - 1].hash) continue;
+    if (!is_of(snapshot, records_)) continue;
     StandingStrokes then;
     for (std::size_t i = 1; i < snapshot.records; ++i) {
       then.follow(read_record(records_[i].text, i, file("journal")), i);
     }
-    const std::vector<std::size_t>& now = standing_.done;
     if (then.done.size() > now.size()) continue;
     if (!std::equal(then.done.begin(), then.done.end(), now.begin())) continue;
     try {
@@ -157,34 +153,35 @@ std::size_t Session::best_snapshot(Grid& grid) {
   return 0;
 }
 
-void Session::replay(const Job& job) {
+Session::Work Session::replay(const std::vector<std::size_t>& done, const Job& job) {
   Grid grid;
-  const std::size_t from = best_snapshot(grid);
-  sculptor_.reset();
-  spill_ = std::make_unique<SpillFile>(folder_);
-  sculpt_.undo = options_.undo;
-  sculpt_.undo.store = spill_.get();
+  const std::size_t from = best_snapshot(done, grid);
+  Work work;
+  work.spill = std::make_unique<SpillFile>(folder_);
+  SculptOptions sculpt = sculpt_;
+  sculpt.undo = options_.undo;
+  sculpt.undo.store = work.spill.get();
   if (options_.read_only) {
-    sculpt_.undo.full_bytes = 0;
+    sculpt.undo.full_bytes = 0;
   } else {
     // A stroke that cannot be recorded is taken back.
-    sculpt_.undo.full_bytes = std::max<std::size_t>(sculpt_.undo.full_bytes, 1);
+    sculpt.undo.full_bytes = std::max<std::size_t>(sculpt.undo.full_bytes, 1);
   }
-  sculptor_ = std::make_unique<Sculptor>(grid, sculpt_);
-  const std::vector<std::size_t>& done = standing_.done;
+  work.sculptor = std::make_unique<Sculptor>(grid, sculpt);
   for (std::size_t i = from; i < done.size(); ++i) {
-    apply_record(done[i], job);
+    apply_record(*work.sculptor, done[i], job);
     job.report("replay", static_cast<double>(i + 1) / static_cast<double>(done.size()));
   }
-  since_snapshot_ = done.size() - from;
+  work.since_snapshot = done.size() - from;
+  return work;
 }
 
-void Session::apply_record(std::size_t number, const Job& job) {
+void Session::apply_record(Sculptor& sculptor, std::size_t number, const Job& job) {
   const std::string journal = file("journal");
   const SessionRecord record = read_record(records_[number].text, number, journal);
   const Stroke stroke =
       read_recorded_stroke(record.stroke, number, journal, {options_.stamps, folder_, true});
-  (void)sculptor_->apply(stroke, job);
+  (void)sculptor.apply(stroke, job);
 }
 
 std::vector<std::string> Session::texts_of(const std::vector<std::size_t>& numbers) const {
@@ -196,7 +193,7 @@ std::vector<std::string> Session::texts_of(const std::vector<std::size_t>& numbe
   return texts;
 }
 
-std::string Session::recorded_text(const Stroke& stroke) {
+std::string Session::recorded_text(const Stroke& stroke) const {
   if (stroke.text.empty()) {
     throw Error(ErrorKind::usage, "a stroke of a session needs a text to be recorded by");
   }
@@ -206,7 +203,7 @@ std::string Session::recorded_text(const Stroke& stroke) {
   }
   std::vector<std::string> names;
   for (const Stamp& stamp : stroke.stamps) {
-    names.push_back("stamps/" + options_.stamps->keep(stamp, file("stamps")));
+    names.push_back("stamps/" + options_.stamps->name(stamp));
   }
   return with_stamp_files(stroke.text, names);
 }
@@ -228,24 +225,25 @@ StrokeReport Session::apply(const Stroke& stroke, const Job& job) {
   check_writable();
   const std::string text = recorded_text(stroke);
   check_recordable(text);
-  StrokeReport report = sculptor_->apply(stroke, job);
+  for (const Stamp& stamp : stroke.stamps) (void)options_.stamps->keep(stamp, file("stamps"));
+  StrokeReport report = work_.sculptor->apply(stroke, job);
   try {
     record("stroke " + text);
   } catch (...) {
-    sculptor_->take_back();
+    work_.sculptor->take_back();
     throw;
   }
-  if (++since_snapshot_ >= options_.snapshot_every) snapshot();
+  if (++work_.since_snapshot >= options_.snapshot_every) snapshot();
   return report;
 }
 
 // The journal alone is enough, so a snapshot that fails is no loss.
 void Session::snapshot() {
-  since_snapshot_ = 0;
+  work_.since_snapshot = 0;
   try {
     compact(grid());
     write_snapshot(grid(), folder_, records_.size(), journal_->hash());
-    remove_leftovers(folder_);
+    remove_leftovers(folder_, records_);
   } catch (const std::exception& e) {
     warnings_.push_back(
         fmt::format("no snapshot was made ({}); opening will take longer", e.what()));
@@ -256,12 +254,18 @@ std::size_t Session::undo(std::size_t count, const Job& job) {
   check_writable();
   count = std::min(count, standing_.done.size());
   if (count == 0) return 0;
-  record(fmt::format("undo {}", count));
-  if (sculptor_->history().undoable() < count) {
-    replay(job);
+  const std::string text = fmt::format("undo {}", count);
+  if (history().undoable() < count) {
+    const auto left = standing_.done.end() - static_cast<std::ptrdiff_t>(count);
+    Work work = replay({standing_.done.begin(), left}, job);
+    record(text);
+    work_ = std::move(work);
     return count;
   }
-  for (std::size_t i = 0; i < count; ++i) sculptor_->undo();
+  record(text);
+  in_step([&] {
+    for (std::size_t i = 0; i < count; ++i) work_.sculptor->undo();
+  });
   return count;
 }
 
@@ -269,12 +273,24 @@ std::size_t Session::redo(std::size_t count, const Job& job) {
   check_writable();
   count = std::min(count, standing_.undone.size());
   if (count == 0) return 0;
-  record(fmt::format("redo {}", count));
-  // They are the last that stand now.
-  for (std::size_t i = standing_.done.size() - count; i < standing_.done.size(); ++i) {
-    if (!sculptor_->redo()) apply_record(standing_.done[i], job);
-  }
+  in_step([&] {
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t number = standing_.undone[standing_.undone.size() - 1 - i];
+      if (!work_.sculptor->redo()) apply_record(*work_.sculptor, number, job);
+    }
+    record(fmt::format("redo {}", count));
+  });
   return count;
+}
+
+// Changes the grid by `change`; if that fails, makes the grid anew that the records say.
+void Session::in_step(const std::function<void()>& change) {
+  try {
+    change();
+  } catch (...) {
+    work_ = replay(standing_.done, Job());
+    throw;
+  }
 }
 
 }  // namespace sdfgrid

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -58,10 +59,11 @@ class Session {
   // recorded all is as before, and Error{failed} is thrown. Throws Error{usage} for a stroke with
   // words that are not known, for what Sculptor refuses, and if it was opened for reading only.
   StrokeReport apply(const Stroke& stroke, const Job& job);
-  // The text that apply() records: the stroke's, with copies in this session of its stamps, which
-  // are made if they are not there yet. Throws Error{failed}.
-  [[nodiscard]] std::string recorded_text(const Stroke& stroke);
-  // Undo, or redo, that many strokes or as many as there are; return how many.
+  // The text that apply() records: the stroke's, with the names of the copies in this session that
+  // apply() makes of its stamps.
+  [[nodiscard]] std::string recorded_text(const Stroke& stroke) const;
+  // Undo, or redo, that many strokes or as many as there are; return how many. If they throw
+  // (Error{cancelled} while strokes are replayed, Error{failed}), the grid is that of the records.
   std::size_t undo(std::size_t count, const Job& job);
   std::size_t redo(std::size_t count, const Job& job);
 
@@ -72,17 +74,24 @@ class Session {
   // What was cut off or could not be written, since it was opened.
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   [[nodiscard]] Redistance redistance() const { return sculpt_.redistance; }
-  [[nodiscard]] const Grid& grid() const { return sculptor_->grid(); }
+  [[nodiscard]] const Grid& grid() const { return work_.sculptor->grid(); }
   // Of the strokes since it was opened; others are undone by replaying those before.
-  [[nodiscard]] const UndoHistory& history() const { return sculptor_->history(); }
+  [[nodiscard]] const UndoHistory& history() const { return work_.sculptor->history(); }
 
  private:
   void read_journal_file();
   void keep_what_is_cut(const JournalContent& content);
   void read_records();
-  void replay(const Job& job);
-  std::size_t best_snapshot(Grid& grid);
-  void apply_record(std::size_t number, const Job& job);
+  // The grid as strokes left it.
+  struct Work {
+    std::unique_ptr<SpillFile> spill;  // before the sculptor, which uses it
+    std::unique_ptr<Sculptor> sculptor;
+    std::size_t since_snapshot = 0;
+  };
+  Work replay(const std::vector<std::size_t>& done, const Job& job);
+  std::size_t best_snapshot(const std::vector<std::size_t>& now, Grid& grid);
+  void apply_record(Sculptor& sculptor, std::size_t number, const Job& job);
+  void in_step(const std::function<void()>& change);
   void record(const std::string& text);
   void snapshot();
   void check_writable() const;
@@ -96,10 +105,8 @@ class Session {
   std::unique_ptr<Journal> journal_;  // none if it is only read
   std::vector<JournalRecord> records_;
   StandingStrokes standing_;
-  std::size_t since_snapshot_ = 0;
+  Work work_;
   std::vector<std::string> warnings_;
-  std::unique_ptr<SpillFile> spill_;
-  std::unique_ptr<Sculptor> sculptor_;
 };
 
 }  // namespace sdfgrid

@@ -15,8 +15,6 @@
 namespace sdfgrid {
 namespace {
 
-constexpr Redistance kRedistances[] = {Redistance::off, Redistance::local, Redistance::full};
-
 [[noreturn]] void refuse_newer(const std::string& journal, std::size_t number,
                                const std::string& problem) {
   throw input_error(journal, fmt::format("record {}", number),
@@ -28,14 +26,21 @@ constexpr Redistance kRedistances[] = {Redistance::off, Redistance::local, Redis
 class NoStamps : public StampMaker {
  public:
   std::shared_ptr<const BrushShape> brush(const Stamp& /*stamp*/) override {
+    asked_ = true;
     return std::make_shared<BrushShape>();
   }
   Field field(const Stamp& /*stamp*/) override {
+    asked_ = true;
     return make_field("sphere", {{"radius", 1.0}}, {});
   }
+  std::string name(const Stamp& stamp) override { return stamp.file; }
   std::string keep(const Stamp& stamp, const std::string& /*folder*/) override {
     return stamp.file;
   }
+  [[nodiscard]] bool asked() const { return asked_; }
+
+ private:
+  bool asked_ = false;
 };
 
 // A file of that one stroke: only of files words that are not known are told.
@@ -43,10 +48,9 @@ StrokeFile read_one(const std::string& text, const std::string& source, const St
   return parse_strokes("{sdfgrid-strokes: 1, strokes: [" + text + "]}", source, stamps);
 }
 
-// The reader's warning of a word that it does not know; its others are of words that do nothing.
 std::optional<std::string> unknown_word(const StrokeFile& read) {
-  for (const std::string& warning : read.warnings) {
-    if (warning.find(" was left out") != std::string::npos) return warning;
+  for (const StrokeWarning& warning : read.warnings) {
+    if (warning.kind == StrokeWarning::Kind::unknown_word) return warning.text;
   }
   return std::nullopt;
 }
@@ -137,8 +141,9 @@ void check_recordable(const std::string& text) {
   std::optional<std::string> unknown;
   try {
     unknown = unknown_word(read_one(text, "its text", {&none, "", false}));
-  } catch (const Error&) {
-    return;  // What takes the place of the stamps may not fit where they do.
+  } catch (const Error& e) {
+    if (none.asked()) return;  // what takes the place of the stamps may not fit where they do
+    throw Error(ErrorKind::usage, e.what());
   }
   if (!unknown) return;
   throw Error(ErrorKind::usage, *unknown +

@@ -54,6 +54,7 @@ struct StandingStrokes {
   void follow(const SessionRecord& record, std::size_t number);
 };
 
+inline constexpr Redistance kRedistances[] = {Redistance::off, Redistance::local, Redistance::full};
 [[nodiscard]] const char* redistance_word(Redistance redistance);
 
 }  // namespace sdfgrid

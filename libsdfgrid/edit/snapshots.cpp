@@ -9,7 +9,6 @@
 #include <system_error>
 
 #include "sdfgrid/core/error.h"
-#include "sdfgrid/edit/journal.h"
 
 namespace sdfgrid {
 namespace {
@@ -89,12 +88,19 @@ void write_snapshot(const Grid& grid, const std::string& folder, std::size_t rec
   if (failed) throw Error(ErrorKind::failed, unfinished + ": " + failed.message());
 }
 
-void remove_leftovers(const std::string& folder) {
+bool is_of(const Snapshot& snapshot, const std::vector<JournalRecord>& records) {
+  return snapshot.records > 0 && snapshot.records <= records.size() &&
+         snapshot.journal == records[snapshot.records - 1].hash;
+}
+
+void remove_leftovers(const std::string& folder, const std::vector<JournalRecord>& records) {
   remove_unfinished(folder);
   remove_unfinished(folder + "/stamps");
-  const std::vector<Snapshot> all = find_snapshots(folder);
   std::error_code none;
-  for (std::size_t i = kKept; i < all.size(); ++i) fs::remove(all[i].path, none);
+  std::size_t kept = 0;
+  for (const Snapshot& snapshot : find_snapshots(folder)) {
+    if (!is_of(snapshot, records) || ++kept > kKept) fs::remove(snapshot.path, none);
+  }
 }
 
 }  // namespace sdfgrid

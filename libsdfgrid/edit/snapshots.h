@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "sdfgrid/edit/journal.h"
 #include "sdfgrid/grid/grid.h"
 
 namespace sdfgrid {
@@ -32,9 +33,12 @@ struct Snapshot {
 void write_snapshot(const Grid& grid, const std::string& folder, std::size_t records,
                     std::uint64_t journal);
 
+// Whether the snapshot is of the journal with these records, not of one before a salvage, say.
+[[nodiscard]] bool is_of(const Snapshot& snapshot, const std::vector<JournalRecord>& records);
+
 // Removes what nobody needs: unfinished files of processes that were killed, and all snapshots but
-// the newest two. Only for who has the session to himself.
-void remove_leftovers(const std::string& folder);
+// the newest two of the journal with these records. Only for who has the session to himself.
+void remove_leftovers(const std::string& folder, const std::vector<JournalRecord>& records);
 
 // Whether a file of that name is an unfinished one (core/atomic_file.h).
 [[nodiscard]] bool is_unfinished(const std::string& name);

@@ -26,6 +26,9 @@ class StampMaker {
   [[nodiscard]] virtual std::shared_ptr<const BrushShape> brush(const Stamp& stamp) = 0;
   [[nodiscard]] virtual Field field(const Stamp& stamp) = 0;
 
+  // What keep() would call the copy.
+  [[nodiscard]] virtual std::string name(const Stamp& stamp) = 0;
+
   // Copies the stamp, with all files that it names, into `folder` (made if missing), under names
   // that are hashes of the contents, and returns the stamp's. When this returns the copies are on
   // the disk. Throws Error{failed}, also if the file changed since its brush was made.

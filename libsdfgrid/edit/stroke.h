@@ -79,6 +79,7 @@ struct Stroke {
   double strength = 0.5;   // of a clay tool, in (0, 1]
   int material = 0;        // that paint gives, up to kMostMaterial; 0 takes paint away
   std::string text;        // as in a stroke file, one line; empty for a stroke made in code
+  int line = 0;            // of the file, where it begins; 0 for a stroke made in code
   std::vector<MirrorPlane> mirror;  // the stroke is repeated on the other side of each
   std::vector<Stamp> stamps;        // that the brush is made of, in the order of the text
 };

@@ -292,7 +292,8 @@ Stroke Reader::stroke(const YAML::Node& node) {
   for (const auto& item : node) {
     const std::string why = why_unused(s, item.first.Scalar());
     if (why.empty()) continue;
-    warn(item.first, fmt::format("'{}' does nothing here: {}", item.first.Scalar(), why));
+    warn(item.first, StrokeWarning::Kind::no_effect,
+         fmt::format("'{}' does nothing here: {}", item.first.Scalar(), why));
   }
   if (s.op == StrokeOp::paint && !node["material"]) {
     refuse(node, "paint has no material", "add it, as in material: 2; 0 takes paint away");
@@ -302,6 +303,7 @@ Stroke Reader::stroke(const YAML::Node& node) {
   }
   s.stamps = used_;
   s.text = text_of(node);
+  s.line = node.Mark().is_null() ? 0 : node.Mark().line + 1;
   return s;
 }
 
@@ -348,7 +350,8 @@ StrokeFile parse_strokes(const std::string& text, const std::string& source,
   reader.warn_of_others(root, "a stroke file", {"sdfgrid-strokes", "strokes"});
   const YAML::Node strokes = root["strokes"];
   if (!strokes || !strokes.IsSequence()) {
-    const std::string there = reader.warnings().empty() ? "" : " (" + reader.warnings()[0] + ")";
+    const std::string there =
+        reader.warnings().empty() ? "" : " (" + reader.warnings()[0].text + ")";
     throw input_error(source, strokes ? place_of(strokes) : "line 1",
                       "it has no list of strokes" + there, "add 'strokes:' and a list");
   }

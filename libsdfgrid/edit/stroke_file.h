@@ -13,9 +13,18 @@
 
 namespace sdfgrid {
 
+struct StrokeWarning {
+  enum class Kind {
+    unknown_word,  // that was left out
+    no_effect,     // of a word that its stroke has no use for
+  };
+  Kind kind;
+  std::string text;  // with file and line
+};
+
 struct StrokeFile {
-  std::vector<Stroke> strokes;        // each with its text
-  std::vector<std::string> warnings;  // words that were not understood, with their lines
+  std::vector<Stroke> strokes;  // each with its text and its line
+  std::vector<StrokeWarning> warnings;
 };
 
 // Throws Error{input} with file, line and remedy for what is not such a file, and for a stroke

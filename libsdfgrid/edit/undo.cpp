@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <exception>
 
 #include "sdfgrid/core/error.h"
 
@@ -168,11 +169,11 @@ UndoRecord UndoRecord::unpack(std::span<const std::byte> packed, UndoPool& pool)
   return record;
 }
 
-void UndoHistory::push(UndoRecord record) {
-  forget(done_, entries_.size());
-  if (options_.full_bytes == 0) return;
-  entries_.emplace_back();
+void UndoHistory::push(UndoRecord&& record) {
+  if (options_.full_bytes == 0) return forget(done_, entries_.size());
+  entries_.emplace_back();  // nothing behind this fails
   entries_.back().record = std::move(record);
+  forget(done_, entries_.size() - 1);
   ++done_;
   keep_within_budget();
 }
@@ -259,7 +260,11 @@ bool UndoHistory::keep(Entry& entry, bool nearest, std::size_t& full, std::size_
       full += bytes;
       return true;
     }
-    entry.packed = entry.record->pack();
+    try {
+      entry.packed = entry.record->pack();
+    } catch (const std::exception&) {  // out of memory
+      return false;
+    }
     entry.record.reset();
     entry.where = Where::packed;
   }
@@ -274,7 +279,7 @@ bool UndoHistory::spill(Entry& entry) {
   if (options_.store == nullptr) return false;
   try {
     entry.name = options_.store->put(entry.packed);
-  } catch (const Error&) {
+  } catch (const std::exception&) {
     return false;
   }
   entry.packed = std::vector<std::byte>();

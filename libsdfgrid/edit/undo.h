@@ -92,8 +92,8 @@ class UndoHistory {
 
   [[nodiscard]] UndoRecord new_record() { return UndoRecord(pool_); }
 
-  // A new stroke: what could be redone is gone.
-  void push(UndoRecord record);
+  // A new stroke: what could be redone is gone. If it throws, the record is untouched.
+  void push(UndoRecord&& record);
   // Exchange the last stroke (the last undone one) with the grid and return what changed; nothing
   // happens, and nothing is returned, if there is none.
   std::vector<BrickChange> undo(GridBricks& grid);

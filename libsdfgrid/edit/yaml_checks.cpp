@@ -21,8 +21,8 @@ void YamlChecks::refuse(const YAML::Node& at, const std::string& problem,
   throw input_error(source_, place_of(at), problem, remedy);
 }
 
-void YamlChecks::warn(const YAML::Node& at, const std::string& text) {
-  warnings_.push_back(fmt::format("{}: {}: {}", source_, place_of(at), text));
+void YamlChecks::warn(const YAML::Node& at, StrokeWarning::Kind kind, const std::string& text) {
+  warnings_.push_back({kind, fmt::format("{}: {}: {}", source_, place_of(at), text)});
 }
 
 void YamlChecks::check_structure(const YAML::Node& root, std::size_t length) const {
@@ -60,8 +60,9 @@ void YamlChecks::warn_of_others(const YAML::Node& map, const char* of,
   for (const auto& item : map) {
     const std::string& word = item.first.Scalar();
     if (std::find(words.begin(), words.end(), word) != words.end()) continue;
-    warn(item.first, fmt::format("'{}' is no word of {} and was left out; {}there are {}", word, of,
-                                 meant(word, words), joined(words)));
+    warn(item.first, StrokeWarning::Kind::unknown_word,
+         fmt::format("'{}' is no word of {} and was left out; {}there are {}", word, of,
+                     meant(word, words), joined(words)));
   }
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "sdfgrid/edit/stroke_file.h"
+
 namespace YAML {  // NOLINT(readability-identifier-naming): theirs
 class Node;
 }  // namespace YAML
@@ -23,7 +25,7 @@ class YamlChecks {
   void check_structure(const YAML::Node& root, std::size_t length) const;
   // Warns of the keys of a map which are none of `words`.
   void warn_of_others(const YAML::Node& map, const char* of, const std::vector<std::string>& words);
-  void warn(const YAML::Node& at, const std::string& text);
+  void warn(const YAML::Node& at, StrokeWarning::Kind kind, const std::string& text);
   [[noreturn]] void refuse(const YAML::Node& at, const std::string& problem,
                            const std::string& remedy) const;
 
@@ -34,13 +36,13 @@ class YamlChecks {
   // Of a list, or the one that stands in place of it.
   [[nodiscard]] std::vector<double> numbers(const YAML::Node& node, const char* what) const;
 
-  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  [[nodiscard]] const std::vector<StrokeWarning>& warnings() const { return warnings_; }
 
  private:
   void check_node(const YAML::Node& node, int depth, std::size_t& left) const;
 
   std::string source_;
-  std::vector<std::string> warnings_;
+  std::vector<StrokeWarning> warnings_;
 };
 
 // "line 12", or "" where that is not known.

@@ -14,6 +14,7 @@
 #include "sdfgrid/edit/journal.h"
 #include "sdfgrid/grid/atlas.h"
 #include "sdfgrid/scene/build.h"
+#include "sdfgrid/scene/file_kind.h"
 #include "sdfgrid/scene/scene.h"
 #include "sdfgrid/trace/grid_sampler.h"
 
@@ -68,6 +69,18 @@ std::string visit_files(const Stamp& stamp, const Visit& visit) {
   return name;
 }
 
+// Of a file that belongs under the other word.
+void check_kind(const Stamp& stamp) {
+  const FileKind kind = kind_of_file(stamp.file);
+  const bool is_grid = stamp.kind == Stamp::Kind::grid;
+  if (kind == (is_grid ? FileKind::scene : FileKind::grid)) {
+    throw input_error(stamp.file, "", fmt::format("it is {}", noun_of(kind)),
+                      fmt::format("write {{{}: {{file: {}}}}}", is_grid ? "scene" : "grid",
+                                  fs::path(stamp.file).filename().string()));
+  }
+  if (kind != FileKind::scene) check_is_grid(stamp.file);
+}
+
 std::shared_ptr<const BrushShape> grid_brush(const std::string& file, const Job& job) {
   const Grid grid = read_grid(file);
   check_has_inside(grid);
@@ -90,6 +103,7 @@ std::shared_ptr<const BrushShape> grid_brush(const std::string& file, const Job&
 FileStamps::Entry& FileStamps::entry(const Stamp& stamp) {
   Entry& known = entries_[stamp.file];
   if (!known.name.empty()) return known;
+  check_kind(stamp);
   const std::string name = visit_files(stamp, [](const std::string&, const std::string&) {});
   if (stamp.kept && name != fs::path(stamp.file).filename()) {
     throw input_error(stamp.file, "",
@@ -128,9 +142,7 @@ std::shared_ptr<const BrushShape> FileStamps::brush(const Stamp& stamp) {
 }
 
 std::string FileStamps::keep(const Stamp& stamp, const std::string& folder) {
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed) throw Error(ErrorKind::failed, folder + ": " + failed.message());
+  create_folders(folder);
   const auto write = [&](const std::string& own, const std::string& bytes) {
     const std::string path = (fs::path(folder) / own).string();
     if (fs::exists(path) && fs::file_size(path) == bytes.size()) return;

@@ -20,6 +20,7 @@ class FileStamps : public StampMaker {
   // A grid's values are its trilinear field's, so that on its own lattice they are its samples.
   [[nodiscard]] std::shared_ptr<const BrushShape> brush(const Stamp& stamp) override;
   [[nodiscard]] Field field(const Stamp& stamp) override;
+  [[nodiscard]] std::string name(const Stamp& stamp) override { return entry(stamp).name; }
   [[nodiscard]] std::string keep(const Stamp& stamp, const std::string& folder) override;
 
   // Of the scenes and meshes that were read.

@@ -134,7 +134,7 @@ TEST_F(SculptApp, AFirstStrokeThatIsRefusedMakesNoSession) {
                     "  - {op: flatten, brush: {sphere: {radius: 0.1}}, path: [[0, 0, 9]]}\n");
   const Outcome refused = run({"sculpt", grid_, "--strokes", bad, "--session", session});
   EXPECT_EQ(refused.exit, 4) << refused.error;
-  EXPECT_NE(refused.error.find("bad.yaml: stroke 1"), std::string::npos) << refused.error;
+  EXPECT_NE(refused.error.find("bad.yaml: line 3: stroke 1"), std::string::npos) << refused.error;
   EXPECT_FALSE(std::filesystem::exists(session));
   EXPECT_EQ(run({"sculpt", grid_, "--strokes", strokes_, "--session", session}).exit, 0);
 }
@@ -154,7 +154,7 @@ TEST_F(SculptApp, SaysHowManyStrokesWereUndone) {
   EXPECT_EQ(change("--undo", "1", "undone"), std::make_pair(1, std::string("[]")));
   const auto [undone, only] = change("--undo", "100", "undone");
   EXPECT_EQ(undone, 1);
-  EXPECT_NE(only.find("only 1 of 100 strokes were undone"), std::string::npos) << only;
+  EXPECT_NE(only.find("only 1 of 100 strokes was undone"), std::string::npos) << only;
   const auto [more, nothing] = change("--undo", "1", "undone");
   EXPECT_EQ(more, 0);
   EXPECT_NE(nothing.find("no stroke to be undone"), std::string::npos) << nothing;
@@ -273,6 +273,105 @@ TEST_F(SculptApp, StampsAndPaintReachTheFile) {
   EXPECT_NE(dense.error.find("holds no paint"), std::string::npos) << dense.error;
   const std::string picture = folder_.path("picture.exr");
   EXPECT_EQ(run({"render", out_, "-o", picture, "--size", "32x32", "--aov", "id"}).exit, 0);
+}
+
+// In a session an unknown word is an error, once, before any stroke is made; else a warning.
+TEST_F(SculptApp, SessionsRefuseUnknownWordsOnceAndBeforeAnything) {
+  const std::string typo = folder_.write(
+      "typo.yaml",
+      "sdfgrid-strokes: 1\nstrokes:\n"
+      "  - {op: union, brush: {sphere: {radius: 0.2}}, path: [[0, 0, 1]], strength: 0.5}\n"
+      "  - {op: union, brush: {sphere: {radius: 0.2}}, path: [[0, 0, 1]], smoth: 0.1}\n");
+  EXPECT_EQ(run({"sculpt", grid_, "--strokes", typo, "-o", out_}).exit, 0);
+  const std::string session = folder_.path("session");
+  const std::vector<std::vector<std::string>> commands = {
+      {"sculpt", grid_, "--strokes", typo, "--session", session},
+      {"sculpt", "--session", session, "--strokes", typo}};
+  for (const auto& command : commands) {
+    const Outcome refused = run(command);
+    EXPECT_EQ(refused.exit, 4) << refused.error;
+    const std::size_t at = refused.error.find("'smoth'");
+    EXPECT_NE(at, std::string::npos) << refused.error;
+    EXPECT_EQ(refused.error.find("'smoth'", at + 1), std::string::npos) << refused.error;
+    EXPECT_NE(refused.error.find("typo.yaml: line 4"), std::string::npos) << refused.error;
+    EXPECT_NE(refused.error.find("did you mean 'smooth'"), std::string::npos) << refused.error;
+    if (&command != &commands.front()) continue;
+    EXPECT_FALSE(std::filesystem::exists(session));
+    ASSERT_EQ(run({"sculpt", grid_, "--strokes", strokes_, "--session", session}).exit, 0);
+  }
+  const Outcome log = run({"sculpt", "--session", session, "--log", "--json"});
+  EXPECT_EQ(json::parse(log.out)["standing"], 2) << log.error;
+}
+
+TEST_F(SculptApp, CountsOneStrokeAsOne) {
+  const std::string session = folder_.path("session");
+  const std::string one =
+      folder_.write("one.yaml",
+                    "sdfgrid-strokes: 1\nstrokes:\n"
+                    "  - {op: union, brush: {sphere: {radius: 0.2}}, path: [[0, 0, 1]]}\n");
+  const Outcome made = run({"sculpt", grid_, "--strokes", one, "--session", session});
+  EXPECT_NE(made.out.find("1 stroke, 1 dab, "), std::string::npos) << made.out;
+  EXPECT_NE(made.out.find(": 1 stroke stands, 0 can be redone"), std::string::npos) << made.out;
+}
+
+// Whatever else than a grid or a stroke file is named is told what it is and what to do.
+TEST_F(SculptApp, FilesOfOtherKindsAreToldWhatToDo) {
+  const std::string session = folder_.path("session");
+  ASSERT_EQ(run({"sculpt", grid_, "--strokes", strokes_, "--session", session}).exit, 0);
+  const std::string scene = folder_.write("ball.yaml", "sdfgrid: 1\nscene: {sphere: {}}\n");
+  const auto told = [&](const std::vector<std::string>& words, const std::string& what) {
+    const Outcome refused = run(words);
+    EXPECT_EQ(refused.exit, 4) << refused.error;
+    EXPECT_NE(refused.error.find(what), std::string::npos) << refused.error;
+  };
+  const auto sculpt = [&](const std::string& in, const std::string& by) {
+    return std::vector<std::string>{"sculpt", in, "--strokes", by, "-o", out_};
+  };
+  told(sculpt(cube_, strokes_), "it is a mesh, no grid; make a grid of it by `sdfgrid convert");
+  told(sculpt(scene, strokes_), "it is a scene, no grid; make a grid of it by `sdfgrid convert");
+  told(sculpt(strokes_, strokes_), "it is a stroke file, no grid; apply it to a grid by");
+  told(sculpt(session, strokes_), "it is the folder of a session, no grid; go on with it by");
+  told(sculpt(grid_, scene), "it is a scene, no stroke file; give a text that begins with");
+  told(sculpt(grid_, grid_), "{op: stamp, brush: {grid: {file: cube.vdb}}}");
+  told(sculpt(grid_, folder_.path("none.yaml")), "none.yaml: it cannot be read; check the path");
+  for (const char* command : {"convert", "render", "sample"}) {
+    const std::string out = folder_.path(std::string(command) == "render" ? "o.png" : "o.npy");
+    told({command, session, "-o", out}, "it is the folder of a session, which is not taken here");
+    told({command, strokes_, "-o", out}, "it is a stroke file, which is not taken here; apply it");
+  }
+  const std::string swapped =
+      folder_.write("swapped.yaml",
+                    "sdfgrid-strokes: 1\nstrokes:\n"
+                    "  - {op: stamp, brush: {scene: {file: cube.vdb}}, path: [[0, 0, 1]]}\n");
+  told(sculpt(grid_, swapped), "it is a grid; write {grid: {file: cube.vdb}}");
+}
+
+TEST_F(SculptApp, InfoKnowsSessionsAndStrokeFiles) {
+  const std::string session = folder_.path("session");
+  ASSERT_EQ(run({"sculpt", grid_, "--strokes", strokes_, "--session", session}).exit, 0);
+  ASSERT_EQ(run({"sculpt", "--session", session, "--undo", "1"}).exit, 0);
+  const json of_session = json::parse(run({"info", session, "--json"}).out);
+  EXPECT_EQ(of_session["kind"], "session");
+  EXPECT_EQ(of_session["strokes"], 1);
+  EXPECT_EQ(of_session["redoable"], 1);
+  EXPECT_EQ(of_session["records"], 3);
+  EXPECT_EQ(of_session["redistance"], "local");
+  const std::string said = run({"info", session}).out;
+  EXPECT_NE(said.find("1 stroke stands, 1 can be redone"), std::string::npos) << said;
+  EXPECT_NE(said.find("sdfgrid sculpt --session " + session), std::string::npos) << said;
+
+  const json of_file = json::parse(run({"info", strokes_, "--json"}).out);
+  EXPECT_EQ(of_file["kind"], "strokes");
+  EXPECT_EQ(of_file["strokes"], 2);
+  EXPECT_EQ(of_file["ops"], (json{{"difference", 1}, {"union", 1}}));
+  EXPECT_EQ(of_file["bounds"], (json{{0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}}));
+  EXPECT_EQ(of_file["list"].size(), 2U);
+
+  std::ofstream(session + "/journal", std::ios::app) << "4 12 torn";
+  const json torn = json::parse(run({"info", session, "--json"}).out);
+  EXPECT_EQ(torn["strokes"], 1);
+  EXPECT_NE(torn["warnings"].dump().find("not complete"), std::string::npos) << torn;
+  EXPECT_EQ(run({"info", folder_.path("nothing")}).exit, 4);
 }
 
 // Brushes that are fields, blends, pressure, re-distancing: the same file from the kernels of the

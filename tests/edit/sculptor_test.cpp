@@ -303,6 +303,35 @@ TEST(Sculptor, RefusesWhatMakesNoSense) {
   EXPECT_EQ(sculptor.history().undoable(), 0U);
 }
 
+// It refuses what apply() refuses, and changes nothing.
+TEST(Sculptor, ChecksAStrokeWithoutMakingIt) {
+  const Grid grid = ball_grid(15);
+  const Content before = content_of(grid, 24);
+  Sculptor sculptor(grid);
+  Stroke no_path = ball_stroke(StrokeOp::unite, {0, 0, 0}, 3);
+  no_path.path.clear();
+  for (const Stroke& wrong : {ball_stroke(StrokeOp::unite, {NAN, 0, 0}, 3), no_path,
+                              ball_stroke(StrokeOp::unite, {0, 0, 0}, 1e6),
+                              ball_stroke(StrokeOp::flatten, {45, 0, 0}, 5)}) {
+    std::string told[2];
+    for (const bool only_check : {true, false}) {
+      try {
+        only_check ? sculptor.check(wrong, Job()) : (void)sculptor.apply(wrong, Job());
+      } catch (const Error& e) {
+        told[only_check ? 1 : 0] = e.what();
+      }
+    }
+    EXPECT_NE(told[0], "");
+    EXPECT_EQ(told[0], told[1]);
+  }
+  for (const StrokeOp op : {StrokeOp::unite, StrokeOp::subtract, StrokeOp::intersect,
+                            StrokeOp::inflate, StrokeOp::flatten, StrokeOp::smooth}) {
+    EXPECT_NO_THROW(sculptor.check(ball_stroke(op, {15, 0, 0}, 5), Job()));
+  }
+  EXPECT_EQ(content_of(grid, 24), before);
+  EXPECT_EQ(sculptor.history().undoable(), 0U);
+}
+
 TEST(Sculptor, BrushBelowAVoxelWarnsAndIsStillRight) {
   const Grid grid = ball_grid(15);
   Sculptor sculptor(grid);

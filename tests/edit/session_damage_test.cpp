@@ -284,15 +284,80 @@ TEST_F(SessionDamage, AChangedSnapshotIsNoticed) {
 // With as many records as it says, but other ones.
 TEST_F(SessionDamage, ASnapshotOfAnotherJournalIsPassedOver) {
   make(7, {.snapshot_every = 6});
+  const std::string of_old = find_snapshots(path_).at(0).path;
+  const std::string bytes = read_all(of_old);
   flip(5, 30);
   {
     Session session(path_, salvage_, Job());
     for (std::size_t i = 10; i < 13; ++i) (void)session.apply(stroke(i), Job());
   }
+  write_all(of_old, bytes);
   ASSERT_EQ(find_snapshots(path_).size(), 1U);
-  const Session session(path_, {}, Job());
+  const Session session(path_, reading_, Job());
   EXPECT_TRUE(session.warnings().empty());
   EXPECT_EQ(content_of(session.grid(), kExtent), content_after({0, 1, 2, 3, 10, 11, 12}));
+}
+
+// Those of the journal before it had more records, but are of no use any more.
+TEST_F(SessionDamage, SnapshotsAfterASalvageStay) {
+  make(9, {.snapshot_every = 2});
+  flip(5, 30);
+  {
+    SessionOptions options = salvage_;
+    options.snapshot_every = 2;
+    Session session(path_, options, Job());
+    EXPECT_TRUE(find_snapshots(path_).empty());
+    for (std::size_t i = 10; i < 12; ++i) (void)session.apply(stroke(i), Job());
+  }
+  const std::vector<Snapshot> made = find_snapshots(path_);
+  ASSERT_FALSE(made.empty());
+  EXPECT_EQ(made[0].records, 6U);  // how it began, four that were good, a new one
+  const Session session(path_, reading_, Job());
+  EXPECT_EQ(content_of(session.grid(), kExtent), content_after({0, 1, 2, 3, 10, 11}));
+}
+
+// While strokes are replayed undo and redo may be cancelled, or fail to be recorded: the session
+// goes on as if they had not been asked for.
+TEST_F(SessionDamage, UndoAndRedoThatFailChangeNothing) {
+  make(6, {.snapshot_every = 6});
+  Session session(path_, {}, Job());  // from the snapshot: none of the strokes is in its memory
+  const auto expect_unchanged = [&](std::size_t strokes) {
+    EXPECT_EQ(session.strokes().size(), strokes);
+    EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(strokes));
+    const Session again(path_ + "-copy", reading_, Job());
+    EXPECT_EQ(content_of(again.grid(), kExtent), expected_content(strokes));
+  };
+  const auto copy = [&] {
+    fs::remove_all(path_ + "-copy");
+    fs::copy(path_, path_ + "-copy", fs::copy_options::recursive);
+    fs::remove(path_ + "-copy/lock");
+  };
+  const Job cancelled;
+  cancelled.cancel();
+  EXPECT_THROW((void)session.undo(4, cancelled), Error);
+  copy();
+  expect_unchanged(6);
+  {
+    const FileSizeLimit full(fs::file_size(journal_));
+    EXPECT_THROW((void)session.undo(4, Job()), Error);
+  }
+  copy();
+  expect_unchanged(6);
+  EXPECT_EQ(session.undo(4, Job()), 4U);
+  copy();
+  expect_unchanged(2);
+  EXPECT_THROW((void)session.redo(3, cancelled), Error);
+  copy();
+  expect_unchanged(2);
+  {
+    const FileSizeLimit full(fs::file_size(journal_));
+    EXPECT_THROW((void)session.redo(3, Job()), Error);
+  }
+  copy();
+  expect_unchanged(2);
+  EXPECT_EQ(session.redo(4, Job()), 4U);
+  copy();
+  expect_unchanged(6);
 }
 
 TEST_F(SessionDamage, LeftoversGoWhenItIsOpenedForWriting) {

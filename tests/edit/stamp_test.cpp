@@ -239,6 +239,31 @@ TEST_F(StampSession, KeepsEachFileOnce) {
   EXPECT_EQ(count, 2U);  // the scene and the bar
 }
 
+// Asking what would be recorded makes no copies, in a session that is only read neither.
+TEST_F(StampSession, TheRecordedTextIsAskedForWithoutCopies) {
+  const Stroke s = stroke("{op: stamp, brush: {grid: {file: parts/bar.vdb}}, path: [[0, 1, 0]]}");
+  options_.read_only = true;
+  const Session session(session_, options_, Job());
+  EXPECT_NE(session.recorded_text(s).find("stamps/"), std::string::npos);
+  EXPECT_FALSE(fs::exists(session_ + "/stamps"));
+}
+
+// What takes the place of a stamp may not fit, but a text without stamps that cannot be read is not
+// recorded.
+TEST_F(StampSession, OnlyTextsThatAreReadAgainAreRecordable) {
+  EXPECT_NO_THROW(check_recordable("{op: stamp, brush: {grid: {file: a.vdb}}, path: [[0, 0, 0]]}"));
+  EXPECT_NO_THROW(
+      check_recordable("{op: union, brush: {twist: {turns: 9, of: {scale: {by: 1e9, of: {scene: "
+                       "{file: a.yaml}}}}}}, "
+                       "path: [[0, 0, 0]]}"));
+  for (const char* text :
+       {"{op: unoin, brush: {sphere: {radius: 1}}, path: [[0, 0, 0]]}",
+        "{op: union, brush: {sphere: {radius: -1}}, path: [[0, 0, 0]]}",
+        "{op: union, brush: {sphere: {radius: 1}}, path: [[0, 0, 0]], pat: 1}"}) {
+    EXPECT_THROW(check_recordable(text), Error) << text;
+  }
+}
+
 TEST_F(StampSession, AChangedCopyIsRefused) {
   apply_all();
   for (const auto& entry : fs::directory_iterator(session_ + "/stamps")) {

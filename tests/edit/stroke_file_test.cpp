@@ -152,7 +152,7 @@ TEST(StrokeFile, WordsWithoutEffectAreWarnings) {
         parse_strokes("sdfgrid-strokes: 1\nstrokes:\n  - {" + stroke + "}\n", "file.yaml");
     ASSERT_EQ(file.warnings.size(), 1U) << stroke;
     for (const std::string& part : {std::string("file.yaml: line 3"), "'" + word + "'", why}) {
-      EXPECT_NE(file.warnings[0].find(part), std::string::npos) << file.warnings[0];
+      EXPECT_NE(file.warnings[0].text.find(part), std::string::npos) << file.warnings[0].text;
     }
   };
   const std::string ball = "brush: {sphere: {radius: 1}}, path: [[0,0,0]], ";
@@ -171,7 +171,8 @@ TEST(StrokeFile, WordsWithoutEffectAreWarnings) {
           "strength: 1, spacing: 1}\n  - {op: union, " + box + "spacing: 1, smooth: 1}\n",
       "file.yaml");
   ASSERT_EQ(good.warnings.size(), 1U);
-  EXPECT_NE(good.warnings[0].find("line 2: 'version'"), std::string::npos) << good.warnings[0];
+  EXPECT_NE(good.warnings[0].text.find("line 2: 'version'"), std::string::npos)
+      << good.warnings[0].text;
 }
 
 // Puts another value, with all that it holds, in place of the one behind the next colon.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <new>
 #include <sstream>
 
 #include "app/process.h"
@@ -95,6 +96,29 @@ void Undo::expect_exact(Redistance redistance) {
 
 TEST_F(Undo, RestoresTheFileOfEveryOpAndBrush) { expect_exact(Redistance::local); }
 TEST_F(Undo, WithoutReDistancingToo) { expect_exact(Redistance::off); }
+
+// Memory or a disk that is full costs old strokes their undo, never the stroke that is made.
+TEST_F(Undo, AStoreThatFailsHarmsNoStroke) {
+  struct Broken : UndoStore {
+    std::size_t put(std::span<const std::byte> /*bytes*/) override { throw std::bad_alloc(); }
+    std::vector<std::byte> get(std::size_t /*name*/) override { return {}; }
+    void forget(std::size_t /*name*/) override {}
+  } broken;
+  SculptOptions options;
+  options.undo = {1, 1, &broken};
+  const Grid grid = ball_grid(12);
+  const Grid other = ball_grid(12);
+  Sculptor sculptor(grid, options);
+  Sculptor reference(other);
+  for (const char* at : {"[1.2, 0, 0]", "[0, 1.2, 0]", "[0, 0, 1.2]"}) {
+    const Stroke s =
+        stroke(std::string("op: union, brush: {sphere: {radius: 0.4}}, path: [") + at + "]");
+    EXPECT_NO_THROW((void)sculptor.apply(s, Job()));
+    (void)reference.apply(s, Job());
+    EXPECT_TRUE(bytes_of(grid) == bytes_of(other)) << at;
+  }
+  EXPECT_EQ(sculptor.history().undoable(), 1U);
+}
 
 }  // namespace
 }  // namespace sdfgrid
