@@ -236,7 +236,7 @@ std::string too_steep(const OpInfo& op, const Field& raw, const Box& region,
   if (fault.jumps) {
     return fmt::format(
         "`{}` jumps {}, near {}, where no step is safe; `repeat` makes copies of a solid, abs, min "
-        "and max make kinks; else {}",
+        "and max make kinks, `function` takes jumps of one variable; else {}",
         fault.name, where, near, remedy);
   }
   if (fault.name != nullptr) {

@@ -14,6 +14,7 @@
 #include "sdfgrid/core/error.h"
 #include "sdfgrid/core/memory.h"
 #include "sdfgrid/core/parallel.h"
+#include "sdfgrid/field/emptiness.h"
 #include "sdfgrid/grid/level_set.h"
 
 namespace sdfgrid {
@@ -23,9 +24,16 @@ constexpr int kEdge = 8;        // samples of a brick
 constexpr int kBlock = 4;       // samples of a block: a brick has 2^3
 constexpr int kTaskEdge = 128;  // samples of what one thread takes at a time
 constexpr double kMostVoxels = 1e8;
-constexpr const char* kNothing =
-    "there is nothing in it: the solid is empty; look for an intersection or a difference "
-    "that leaves nothing";
+
+// What to look at in a solid that is empty.
+Error nothing_in(const Field& field) {
+  const std::vector<std::string> ops = ops_that_take_away(field);
+  return {ErrorKind::input,
+          "there is nothing in it: no point is inside; " +
+              (ops.empty() ? "give it a shape, or a smaller voxel"
+                           : fmt::format("look for what its `{}` leaves", fmt::join(ops, "`, `")))};
+}
+
 constexpr double kLeafBytes = sizeof(openvdb::FloatTree::LeafNodeType) + 512 * sizeof(float) + 64;
 
 // A cube of lattice points: its lowest index and how many points a side.
@@ -211,7 +219,7 @@ class FieldConverter {
     parts_.resize(tasks_.size());
     parallel_for("convert", tasks_.size(), 1, job_,
                  [&](std::size_t task, std::size_t) { run_task(task); });
-    return assemble();
+    return assemble(field);
   }
 
  private:
@@ -240,8 +248,8 @@ class FieldConverter {
                             1e-6 * allowed_));
   }
 
-  FieldConversion assemble() {
-    if (bricks_ == 0) throw Error(ErrorKind::input, kNothing);
+  FieldConversion assemble(const Field& field) {
+    if (bricks_ == 0) throw nothing_in(field);
     const auto vdb = make_level_set(lattice_, options_.band);
     openvdb::tree::ValueAccessor<openvdb::FloatTree> accessor(vdb->tree());
     for (Part& part : parts_) {
@@ -268,7 +276,7 @@ class FieldConverter {
 
 Lattice choose_lattice(const Field& field, const FieldConvertOptions& options) {
   const Box box = field.bounds();
-  if (box.empty()) throw Error(ErrorKind::input, kNothing);
+  if (box.empty()) throw nothing_in(field);
   for (int a = 0; a < 3; ++a) {
     if (std::isfinite(box.lo[a]) && std::isfinite(box.hi[a])) continue;
     throw Error(ErrorKind::input, fmt::format("the solid has no end along {}; intersect it with a "
@@ -299,6 +307,7 @@ FieldConversion convert_field(const Field& field, const FieldConvertOptions& opt
   }
   const auto start = std::chrono::steady_clock::now();
   const Lattice lattice = choose_lattice(field, options);
+  if (is_surely_empty(field, field.bounds())) throw nothing_in(field);
   FieldConversion result = FieldConverter(lattice, options, job).run(field);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

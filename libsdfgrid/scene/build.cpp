@@ -49,27 +49,32 @@ class SceneBuilder {
   [[nodiscard]] double one(const SceneValue& value, double lo, double hi) const {
     const std::vector<double> v = numbers(value.numbers);
     if (v.size() == 1 && v[0] >= lo && v[0] <= hi) return v[0];
-    throw input_error(file_, "",
+    throw input_error(file_, text_of(value.place),
                       fmt::format("`{}` must be a number from {} to {}", value.name, lo, hi),
                       "give one");
   }
   [[nodiscard]] int whole(const SceneValue& value, int lo, int hi) const {
-    const double v = one(value, lo, hi);
-    if (v == std::floor(v)) return static_cast<int>(v);
-    throw Error(ErrorKind::input, fmt::format("`{}` is {:g}; give a whole number", value.name, v));
+    const std::vector<double> v = numbers(value.numbers);
+    if (v.size() == 1 && v[0] >= lo && v[0] <= hi && v[0] == std::floor(v[0])) {
+      return static_cast<int>(v[0]);
+    }
+    const std::string given = v.size() == 1 ? fmt::format("{:g}", v[0]) : "a list";
+    throw Error(ErrorKind::input, fmt::format("`{}` is {}; give a whole number from {} to {}",
+                                              value.name, given, lo, hi));
   }
   [[nodiscard]] glm::dvec3 three(const SceneValue& value) const {
     const std::vector<double> v = numbers(value.numbers);
     if (v.size() == 1) return glm::dvec3(v[0]);
     if (v.size() == 3) return {v[0], v[1], v[2]};
-    throw input_error(file_, "", fmt::format("`{}` has {} numbers", value.name, v.size()),
-                      "give three");
+    throw input_error(file_, text_of(value.place),
+                      fmt::format("`{}` has {} numbers", value.name, v.size()), "give three");
   }
 
   [[nodiscard]] glm::vec3 color(const SceneValue& value) const {
     const glm::dvec3 v = three(value);
     if (v.x >= 0 && v.y >= 0 && v.z >= 0) return glm::vec3(v);
-    throw input_error(file_, "", fmt::format("`{}` must not be negative", value.name),
+    throw input_error(file_, text_of(value.place),
+                      fmt::format("`{}` must not be negative", value.name),
                       "give three numbers from 0 to 1");
   }
 
@@ -92,8 +97,8 @@ class SceneBuilder {
     }
     const SceneCamera& camera = model_.camera;
     if (camera.eye && camera.target && *camera.eye == *camera.target) {
-      throw input_error(file_, "", "`camera` has `eye` and `target` at the same point",
-                        "move one of them");
+      throw input_error(file_, text_of(scene_.camera.front().place),
+                        "`camera` has `eye` and `target` at the same point", "move one of them");
     }
   }
 
@@ -122,7 +127,7 @@ class SceneBuilder {
     } catch (const Error& e) {
       if (e.kind() != ErrorKind::input) throw;
       const std::string name = node.name.empty() ? "" : fmt::format(" (`{}`)", node.name);
-      throw input_error(file_, fmt::format("line {}{}", node.place.line, name), e.what(), "");
+      throw input_error(file_, text_of(fault_of(node, e.what())) + name, e.what(), "");
     }
   }
 
@@ -137,6 +142,19 @@ class SceneBuilder {
     } else if (endless_.size() == endless_before) {
       endless_.push_back({node.op, node.place.line, axis});
     }
+  }
+
+  static std::string text_of(const ScenePlace& place) {
+    return fmt::format("line {}, column {}", place.line, place.column);
+  }
+
+  // Where a node is wrong: at the value that the message names, if it names one that is given.
+  static ScenePlace fault_of(const SceneNode& node, const std::string& message) {
+    for (const SceneValue& value : node.values) {
+      const bool named = message.find("`" + value.name + "`") != std::string::npos;
+      if (named && value.place.line > 0) return value.place;
+    }
+    return node.place;
   }
 
   Field shape(const SceneNode& node, const std::vector<Field>& of) {

@@ -162,6 +162,7 @@ class SceneReader {
                  std::vector<SceneValue>& values) {
     SceneValue v;
     v.name = key.text;
+    v.place = {value.line, value.column};
     v.is_text = contains(word.texts, key.text);
     if (!v.is_text) {
       read_numbers(value, contains(word.endless, key.text), v.numbers);

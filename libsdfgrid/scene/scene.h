@@ -30,6 +30,7 @@ struct SceneValue {
   std::vector<SceneNumber> numbers;
   std::string text;
   bool is_text = false;
+  ScenePlace place{};  // of the value itself
   bool operator==(const SceneValue&) const = default;
 };
 

@@ -168,7 +168,8 @@ TEST(FormulaSafety, JumpsAreRefusedByName) {
                     "formula: `mod` jumps on the region from (0.5, -1, -1) to (1.5, 1, 1), "
                     "near ("))
       << text;
-  EXPECT_TRUE(holds(text, "`repeat`") && holds(text, "abs, min and max") && holds(text, "order: 1"))
+  EXPECT_TRUE(holds(text, "`repeat`") && holds(text, "`function`") &&
+              holds(text, "abs, min and max") && holds(text, "order: 1"))
       << text;
   EXPECT_TRUE(holds(refusal("floor(3*x) - y", around), "`floor` jumps"));
   EXPECT_TRUE(holds(refusal("sign(y) + x - 1", around), "`sign` jumps"));

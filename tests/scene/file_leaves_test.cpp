@@ -258,7 +258,7 @@ TEST_F(SceneOfCube, FilesUnderTheWrongWordAreToldTheRightOne) {
       {"{mesh: {file: ball.yaml}}", "ball.yaml: it is a scene, no mesh; make a grid of it by"},
       {"{mesh: {file: dabs.yaml}}", "dabs.yaml: it is a stroke file, no mesh; apply it to a grid"},
       {"{grid: {file: nowhere.vdb}}", "nowhere.vdb: no such file"},
-      {"{mesh: {file: cube.off, dim: 12.5}}", "`dim` is 12.5; give a whole number"}};
+      {"{mesh: {file: cube.off, dim: 12.5}}", "`dim` is 12.5; give a whole number from 2 to 4096"}};
   for (const auto& [scene, told] : wrong) {
     const std::string message = refusal(scene);
     EXPECT_NE(message.find("s.yaml: line 2"), std::string::npos) << message;

@@ -58,11 +58,13 @@ TEST(SceneRefused, NodesThatAreNone) {
 
 TEST(SceneRefused, CamerasAndMaterials) {
   const std::string ball = "scene: {sphere: {}}\n";
-  expect_refused("sdfgrid: 1\ncamera: {eye: [1, 2, 3], target: [1, 2, 3]}\n" + ball, "",
-                 "same point");
-  expect_refused("sdfgrid: 1\nmaterials: {a: {diffuse: [0.5, -0.1, 1]}}\n" + ball, "",
-                 "`diffuse` must not be negative");
-  expect_refused("sdfgrid: 1\nmaterials: {a: {specular: 2}}\n" + ball, "", "`specular`");
+  expect_refused("sdfgrid: 1\ncamera: {eye: [1, 2, 3], target: [1, 2, 3]}\n" + ball,
+                 "line 2, column 15", "same point");
+  expect_refused("sdfgrid: 1\nmaterials: {a: {diffuse: [0.5, -0.1, 1]}}\n" + ball,
+                 "line 2, column 26", "`diffuse` must not be negative");
+  expect_refused("sdfgrid: 1\nmaterials: {a: {specular: 2}}\n" + ball, "line 2, column 27",
+                 "`specular`");
+  expect_refused("sdfgrid: 1\ncamera: {fov: [1, 2]}\n" + ball, "line 2, column 15", "`fov`");
 }
 
 TEST(SceneRefused, Numbers) {
@@ -76,7 +78,7 @@ TEST(SceneRefused, Numbers) {
   expect_refused("sdfgrid: 1\nscene: [{sphere: {}, at: [1, 2]}]\n", "line 2, column 26", "three");
   expect_refused("sdfgrid: 1\nscene: [{sphere: {radius: -1}}]\n", "line 2", "`radius` is -1");
   expect_refused("sdfgrid: 1\nscene:\n- union:\n  - name: bad\n    box: {size: [1, 2]}\n",
-                 "line 4 (`bad`)", "give 3");
+                 "line 5, column 17 (`bad`)", "give 3");
   expect_refused("sdfgrid: 1\nscene: [{grid: {file: nowhere.vdb}}]\n", "line 2", "nowhere.vdb");
   expect_refused("sdfgrid: 1\nscene: [{twist: {turns: 1, of: {plane: {}}}}]\n", "line 2", "twist");
 }
