@@ -173,8 +173,8 @@ void report_scene(const std::string& path, double time, Context& context) {
   if (!ends) result["bounds"] = Json();
   result["instructions"] = scene.field.size();
   result["materials"] = scene.materials.size();
-  context.print("program    {} instructions, {} materials{}", scene.field.size(),
-                scene.materials.size(), ends ? "" : "; without end");
+  context.print("program    {}, {}{}", counted(scene.field.size(), "instruction"),
+                counted(scene.materials.size(), "material"), ends ? "" : "; without end");
 }
 
 Exit run(const Options& options, const CLI::App& app, Context& context) {
