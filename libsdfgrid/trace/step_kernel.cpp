@@ -76,15 +76,13 @@ void beam(const RayLanes& rays, RayLanes& axes, RayGroup& beams, int lane) {
   beams.base = 0;
 }
 
-// Of the lanes that are left of `from` the least, of the others' `to` the largest.
-inline GroupWay way_of(const D16& from, const D16& to) {
-  DPart least = splat_part(1e300);
-  DPart most = splat_part(-1e300);
-  for (int h = 0; h < kDoubleParts; ++h) {
-    const DPart f = from.part[h] < to.part[h] ? from.part[h] : splat_part(1e300);
-    const DPart t = from.part[h] < to.part[h] ? to.part[h] : splat_part(-1e300);
-    least = min(f, least);
-    most = max(t, most);
+// The least of all `from` and the largest of all `to`.
+inline GroupWay span_of(const D16& from, const D16& to) {
+  DPart least = from.part[0];
+  DPart most = to.part[0];
+  for (int h = 1; h < kDoubleParts; ++h) {
+    least = min(from.part[h], least);
+    most = max(to.part[h], most);
   }
   GroupWay way{least[0], most[0]};
   for (int i = 1; i < kPartLanes; ++i) {
@@ -92,6 +90,17 @@ inline GroupWay way_of(const D16& from, const D16& to) {
     way.end = most[i] > way.end ? most[i] : way.end;
   }
   return way;
+}
+
+// The same of those lanes where the one is before the other.
+inline GroupWay way_of(const D16& from, const D16& to) {
+  D16 first;
+  D16 last;
+  for (int h = 0; h < kDoubleParts; ++h) {
+    first.part[h] = from.part[h] < to.part[h] ? from.part[h] : splat_part(1e300);
+    last.part[h] = from.part[h] < to.part[h] ? to.part[h] : splat_part(-1e300);
+  }
+  return span_of(first, last);
 }
 
 GroupWay begin(RayGroup& g, const double* from, const double* to, double grain) {
@@ -307,7 +316,8 @@ struct Corners {
   }
   void write(double (&low)[3], double (&high)[3]) const {
     for (int a = 0; a < 3; ++a) {
-      const GroupWay all = way_of(lo[a], hi[a]);
+      // Rays that begin in one place have no width there.
+      const GroupWay all = span_of(lo[a], hi[a]);
       low[a] = all.clear;
       high[a] = all.end;
     }

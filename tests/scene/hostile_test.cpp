@@ -1,26 +1,35 @@
-// A scene in which every step is dangerous, against a search that knows nothing of bounds: along
-// each ray the field is sampled densely, every change of sign brought to double precision. No first
-// hit may be missed. SDFGRID_HOSTILE_RAYS=1000000 asks for more rays than the test takes.
+// Scenes in which every step is dangerous, against proved roots (first_root.h): no first hit may be
+// missed, too far, or where there is no surface, by bundles of rays and by pictures. For more rays
+// than the tests take, from another seed on: SDFGRID_HOSTILE_RAYS=1000000 SDFGRID_HOSTILE_SEED=1.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <limits>
-#include <optional>
+#include <memory>
 #include <random>
+#include <string>
+#include <vector>
 
+#include "scene/first_root.h"
+#include "sdfgrid/core/isa.h"
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/scene/build.h"
+#include "sdfgrid/trace/field_march.h"
 #include "sdfgrid/trace/field_trace.h"
 
 namespace sdfgrid {
 namespace {
 
+using test::FirstRoot;
+using test::Verdict;
+
 // Twisted, bent, tapered, noisy, blended, unequally scaled; a shell, a formula, a repetition.
-const char* const kScene = R"(
+const char* const kHostile = R"(
 sdfgrid: 1
 scene:
   - smooth_union:
@@ -53,129 +62,226 @@ scene:
     at: [0, -1.4, -1]
 )";
 
-constexpr double kTolerance = 1e-4;  // of the distance
-constexpr std::size_t kBundle = 256;
-constexpr int kSamples = 1500;  // along each ray through the region
+// Walls between parts, one of them within a turned and squeezed node; solids that end at them,
+// stand before them, and lie on both sides.
+const char* const kWalls = R"(
+sdfgrid: 1
+scene:
+  - partition:
+      normal: [1, 0.3, 0]
+      distance: 0.1
+      of:
+        - partition:
+            normal: [0, 1, -0.5]
+            of:
+              - {displace: {by: {noise: {frequency: 5, amplitude: 0.05, octaves: 2}}, of: {sphere: {radius: 1}}}}
+              - {torus: {major: 0.9, minor: 0.25}, rotate: [60, 0, 0]}
+        - partition:
+            normal: [0.2, 0, 1]
+            distance: -0.2
+            of:
+              - {twist: {turns: 0.4, of: {box: {size: [1.4, 0.8, 1.8]}}}}
+              - repeat: {cell: [0.5, 0.5, 0.5], of: {sphere: {radius: 0.18}}}
+  - intersection:
+      - {box: {size: [1.6, 1.6, 1.6]}}
+      - partition:
+          normal: [1, 1, 1]
+          of: [{shell: {thickness: 0.02, of: {sphere: {radius: 0.7}}}}, {complement: {of: {sphere: {radius: 0.6}}}}]
+        rotate: [20, 30, 40]
+        scale: [1, 0.5, 1]
+    at: [2.2, 0, 0]
+)";
 
-struct Scene {
+// A floor without end, its neighbours small.
+const char* const kFloor = R"(
+sdfgrid: 1
+scene:
+  - {plane: {normal: [0, 1, 0], distance: -0.3}}
+  - {displace: {by: {noise: {frequency: 4, amplitude: 0.05, octaves: 2}}, of: {plane: {normal: [0.1, 1, 0.2], distance: -0.4}}}}
+  - {sphere: {radius: 0.3}}
+  - {torus: {major: 0.4, minor: 0.1}, at: [1, 0, 0]}
+  - {box: {size: [0.4, 0.4, 0.4]}, at: [-1, -0.2, 0.5], rotate: [30, 40, 0]}
+  - {infinite_cylinder: {radius: 0.05}, at: [0.3, 0.4, 0], rotate: [10, 0, 0]}
+)";
+
+struct Stage {
   Field field;
   Box region;
 };
 
-Scene make_scene() {
-  const SceneFile file = parse_scene(kScene, "hostile");
+// Without end it is seen in a cube.
+Stage make_stage(const char* text) {
+  const SceneFile file = parse_scene(text, "hostile");
   EXPECT_TRUE(file.warnings.empty());
-  Scene scene{build_scene(file.scene, "hostile", 0, Job()).field, {}};
+  Stage scene{build_scene(file.scene, "hostile", 0, Job()).field, {}};
   const Box box = scene.field.bounds();
-  scene.region = {box.lo - 1e-3, box.hi + 1e-3};
+  scene.region = {glm::max(box.lo - 1e-3, glm::dvec3(-2)), glm::min(box.hi + 1e-3, glm::dvec3(2))};
+  if (std::isfinite(reach(box))) scene.region = {box.lo - 1e-3, box.hi + 1e-3};
   return scene;
 }
 
-// Rays that stay together, from anywhere around to anywhere within; some nearly along an axis.
-std::vector<Ray> make_bundle(const Box& box, std::uint32_t seed) {
+// From anywhere around and within, outside of all solids, to somewhere near a surface, some along
+// an axis; wide and narrow, most of them small, none of them whole blocks of pixels.
+Camera make_camera(const Stage& scene, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   const auto within = [&] { return glm::dvec3(unit(random), unit(random), unit(random)); };
-  const glm::dvec3 around = glm::normalize(within() - 0.5);
-  const glm::dvec3 eye = box.center() + glm::length(box.size()) * (0.6 + unit(random)) * around;
-  const glm::dvec3 target = box.lo + within() * box.size();
-  const double spread = std::pow(10, -2 * unit(random));
-  std::vector<Ray> rays;
-  for (std::size_t i = 0; i < kBundle; ++i) {
-    const glm::dvec3 at = target + spread * (within() - 0.5) * box.size();
-    rays.push_back({eye, glm::normalize(at - eye)});
+  const Box& box = scene.region;
+  Camera camera;
+  // The nearest to a surface of a few places.
+  float nearest = 1e9F;
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec3 p = box.lo + within() * box.size();
+    const float value = std::fabs(scene.field(glm::vec3(p)));
+    if (value < nearest) camera.target = p;
+    nearest = std::min(nearest, value);
   }
-  return rays;
-}
-
-bool inside(const Field& field, const Ray& ray, double t) {
-  return field.gradient(ray.origin + t * ray.direction).value < 0;
-}
-
-// The first change of sign in [from, to], in double; infinite if there is none.
-double dense_search(const Field& field, const Ray& ray, double from, double to) {
-  std::vector<float> c(std::size_t{4} * kSamples);
-  const auto at = [&](int i) { return from + (to - from) * i / (kSamples - 1.0); };
-  for (int i = 0; i < kSamples; ++i) {
-    const glm::vec3 p(ray.origin + at(i) * ray.direction);
-    for (int a = 0; a < 3; ++a) c[a * kSamples + i] = p[a];
-  }
-  float* const value = c.data() + 3 * std::size_t{kSamples};
-  field.evaluate(kSamples, c.data(), c.data() + kSamples, c.data() + 2 * kSamples, value);
-  for (int i = 1; i < kSamples; ++i) {
-    // What floats call a change of sign must be one in double.
-    if (!(value[i] < 0) || !inside(field, ray, at(i))) continue;
-    double lo = at(i - 1);
-    double hi = at(i);
-    for (int k = 0; k < 45; ++k) {
-      const double middle = 0.5 * (lo + hi);
-      (inside(field, ray, middle) ? hi : lo) = middle;
+  do {
+    const double away = glm::length(box.size()) * (0.1 + 1.5 * unit(random));
+    glm::dvec3 towards = glm::normalize(within() - 0.5);
+    if (seed % 5 == 0) {
+      towards = glm::dvec3(0);
+      towards[static_cast<int>(random() % 3)] = random() % 2 == 0 ? 1 : -1;
     }
-    return hi;
-  }
-  return std::numeric_limits<double>::infinity();
+    camera.eye = (seed % 5 == 0 ? camera.target : box.center()) + away * towards;
+  } while (scene.field(glm::vec3(camera.eye)) < 0);
+  camera.up = glm::normalize(within() - 0.5);
+  camera.fov = std::pow(10, 2 * unit(random) - 0.3);
+  camera.width = seed % 40 == 7 ? 151 : 23;
+  camera.height = seed % 40 == 7 ? 71 : 13;
+  return camera;
 }
 
-struct Tally {
-  std::atomic<std::size_t> rays{0}, hits{0}, missed{0}, invented{0};
+// The field as one, which is pruned, and its objects each by itself; with steps relaxed and not.
+struct Way {
+  const char* name;
+  FieldTraceOptions options;
+};
+const Way kWays[] = {{"whole", {.objects = false}},
+                     {"whole, not relaxed", {.relax = false, .objects = false}},
+                     {"objects", {}},
+                     {"objects, not relaxed", {.relax = false}}};
+
+constexpr int kSamples = 500;    // along each ray, up to where its root is proved to be
+constexpr double kClose = 1e-4;  // a proof that leaves no more of a ray open
+
+class Trial {
+ public:
+  explicit Trial(const Stage& scene) : scene_(scene) {
+    for (const Way& way : kWays) {
+      tracers_.push_back(std::make_unique<FieldTracer>(scene.field, scene.region, way.options));
+    }
+  }
+
+  // All rays of a camera.
+  void run(std::uint32_t seed) {
+    const Camera camera = make_camera(scene_, seed);
+    const RayGenerator generator(camera);
+    std::vector<Ray> rays;
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < camera.width; ++x) rays.push_back(generator.ray(x + 0.5, y + 0.5));
+    }
+    std::vector<FirstRoot> roots;
+    for (const Ray& ray : rays) roots.push_back(root_of(ray));
+    const double tolerance = 0.02 * glm::length(generator.right());
+    std::vector<float> depth(rays.size());
+    for (std::size_t i = 0; i < tracers_.size(); ++i) {
+      const auto name = fmt::format("{} of seed {}", kWays[i].name, seed);
+      const HitBuffer picture = tracers_[i]->trace_primary(camera, Job());
+      judge(name + ", picture", rays, roots, picture.depth, tolerance, tallies_[i]);
+      tracers_[i]->trace(rays, tolerance, depth, {});
+      judge(name + ", bundle", rays, roots, depth, tolerance, tallies_[i]);
+    }
+  }
+
+  void report() const {
+    fmt::print("{} rays on {}, {} with a root, of {} the proof leaves more than {} open\n",
+               rays_.load(), isa_name(active_isa()), rooted_.load(), open_.load(), kClose);
+    for (std::size_t i = 0; i < tracers_.size(); ++i) {
+      const Tally& t = tallies_[i];
+      fmt::print("{:>22}: {} rays traced, {} hits, {} missed, {} where there is no surface\n",
+                 kWays[i].name, t.rays.load(), t.hits.load(), t.missed.load(), t.invented.load());
+      EXPECT_EQ(t.missed, 0U);
+      EXPECT_EQ(t.invented, 0U);
+      EXPECT_GT(t.hits, t.rays / 10);
+    }
+    EXPECT_LT(open_, rays_ / 100);
+  }
+
+ private:
+  struct Tally {
+    std::atomic<std::size_t> rays{0}, hits{0}, missed{0}, invented{0};
+  };
+
+  FirstRoot root_of(const Ray& ray) {
+    const FirstRoot root = test::first_root(scene_.field, ray, scene_.region);
+    ++rays_;
+    rooted_ += std::isfinite(root.certain) ? 1 : 0;
+    open_ += root.possible < root.certain - kClose ? 1 : 0;
+    const Span in = clip(ray, scene_.region);
+    const double to = std::min(in.to, root.possible);
+    if (in.from < to) {
+      const double inside = test::first_sample_inside(scene_.field, ray, in.from, to, kSamples);
+      EXPECT_GE(inside, to) << "the proof is wrong";
+    }
+    return root;
+  }
+
+  void judge(const std::string& name, const std::vector<Ray>& rays,
+             const std::vector<FirstRoot>& roots, const std::vector<float>& depth, double tolerance,
+             Tally& tally) const {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const double found = depth[i];
+      const Verdict verdict = test::judge(scene_.field, rays[i], roots[i], found, tolerance);
+      ++tally.rays;
+      tally.hits += std::isfinite(found) ? 1 : 0;
+      if (verdict == Verdict::right) continue;
+      ++(verdict == Verdict::missed ? tally.missed : tally.invented);
+      ADD_FAILURE() << fmt::format("{}, ray {}: {} at {} (value {}); root between {} and {}", name,
+                                   i, verdict == Verdict::missed ? "missed" : "no surface", found,
+                                   value_at(rays[i], found), roots[i].possible, roots[i].certain);
+    }
+  }
+
+  [[nodiscard]] double value_at(const Ray& ray, double t) const {
+    return scene_.field.gradient(ray.origin + std::min(t, 1e6) * ray.direction).value;
+  }
+
+  const Stage& scene_;
+  std::vector<std::unique_ptr<FieldTracer>> tracers_;
+  std::array<Tally, std::size(kWays)> tallies_;
+  std::atomic<std::size_t> rays_{0}, rooted_{0}, open_{0};
 };
 
-// What a ray's depth may be off: as where less than the tolerance was free, taken to be as far
-// ahead.
-double allowed(double t) { return kTolerance * t + 1e-5; }
-
-void check_bundle(const Scene& scene, const FieldTracer& tracer, std::uint32_t seed, Tally& tally) {
-  const std::vector<Ray> rays = make_bundle(scene.region, seed);
-  std::vector<float> depth(rays.size());
-  tracer.trace(rays, kTolerance, depth, {});
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    ++tally.rays;
-    const double far = 4 * glm::length(scene.region.size());
-    const double end = std::min(far, static_cast<double>(depth[i]));
-    // From where the ray enters the region; beyond its hit nothing matters.
-    const double from = std::max(0.0, glm::distance(rays[i].origin, scene.region.center()) -
-                                          0.5 * glm::length(scene.region.size()));
-    const double truth = from < end ? dense_search(scene.field, rays[i], from, end) : far;
-    if (truth < end - allowed(end)) {
-      ++tally.missed;
-      ADD_FAILURE() << fmt::format("seed {}, ray {}: hit at {}, but the surface is at {}", seed, i,
-                                   depth[i], truth);
-    }
-    if (!std::isfinite(depth[i])) continue;
-    ++tally.hits;
-    const double value =
-        scene.field.gradient(rays[i].origin + double(depth[i]) * rays[i].direction).value;
-    if (std::fabs(value) > 2 * allowed(end)) {
-      ++tally.invented;
-      ADD_FAILURE() << fmt::format("seed {}, ray {}: hit at {} where the value is {}", seed, i,
-                                   depth[i], value);
-    }
-  }
+std::size_t number_from(const char* variable, std::size_t otherwise) {
+  const char* text = std::getenv(variable);
+  return text != nullptr ? static_cast<std::size_t>(std::atoll(text)) : otherwise;
 }
 
-std::size_t rays_asked() {
-  const char* text = std::getenv("SDFGRID_HOSTILE_RAYS");
-  return text != nullptr ? static_cast<std::size_t>(std::atoll(text)) : 20000;
-}
-
-// All objects as one, which is pruned, or each by itself.
-class Hostile : public testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(Objects, Hostile, testing::Bool());
+struct Named {
+  const char* name;
+  const char* text;
+  std::size_t rays;
+};
+class Hostile : public testing::TestWithParam<Named> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, Hostile,
+                         testing::Values(Named{"Solids", kHostile, 12000},
+                                         Named{"Walls", kWalls, 8000},
+                                         Named{"Floor", kFloor, 4000}),
+                         [](const auto& scene) { return scene.param.name; });
 
 TEST_P(Hostile, NoFirstHitIsMissed) {
-  const Scene scene = make_scene();
-  const FieldTracer tracer(scene.field, scene.region, {.objects = GetParam()});
-  const std::size_t bundles = (rays_asked() + kBundle - 1) / kBundle;
-  Tally tally;
-  parallel_for(bundles, 1, Job(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      check_bundle(scene, tracer, static_cast<std::uint32_t>(i), tally);
-    }
+  const Stage scene = make_stage(GetParam().text);
+  Trial trial(scene);
+  // 40 cameras: 39 of 23 x 13 pixels and one of 151 x 71.
+  constexpr std::size_t kRays = 39 * 23 * 13 + 151 * 71;
+  const std::size_t rays = number_from("SDFGRID_HOSTILE_RAYS", GetParam().rays);
+  const std::size_t cameras = (40 * rays + kRays - 1) / kRays;
+  const std::size_t first = number_from("SDFGRID_HOSTILE_SEED", 0);
+  parallel_for(cameras, 1, Job(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) trial.run(static_cast<std::uint32_t>(first + i));
   });
-  fmt::print("{} rays, {} hits, {} missed, {} where there is no surface\n", tally.rays.load(),
-             tally.hits.load(), tally.missed.load(), tally.invented.load());
-  EXPECT_GT(tally.hits, tally.rays / 10);
-  EXPECT_EQ(tally.missed, 0U);
+  trial.report();
 }
 
 }  // namespace

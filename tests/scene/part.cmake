@@ -17,8 +17,16 @@ foreach(isa baseline avx2)
   set_tests_properties(FieldTrace.${isa} PROPERTIES ENVIRONMENT SDFGRID_ISA=${isa} LABELS fast)
 endforeach()
 
-# A million rays: SDFGRID_HOSTILE_RAYS=1000000 build/release/tests/hostile_test
-sdfgrid_test(hostile_test LABEL heavy SOURCES ${CMAKE_CURRENT_LIST_DIR}/hostile_test.cpp PACKAGES fmt::fmt)
+# A million rays: SDFGRID_HOSTILE_RAYS=1000000 build/release/tests/hostile_test --gtest_filter=*Solids
+sdfgrid_test(hostile_test LABEL heavy
+             SOURCES ${CMAKE_CURRENT_LIST_DIR}/hostile_test.cpp
+                     ${CMAKE_CURRENT_LIST_DIR}/first_root.cpp
+             PACKAGES fmt::fmt)
+foreach(isa baseline avx2)
+  add_test(NAME Hostile.${isa} COMMAND hostile_test)
+  set_tests_properties(Hostile.${isa} PROPERTIES LABELS heavy ENVIRONMENT
+                                                 "SDFGRID_ISA=${isa};SDFGRID_HOSTILE_RAYS=3000")
+endforeach()
 
 find_package(nlohmann_json REQUIRED)
 sdfgrid_test(scene_app_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/scene_app_test.cpp
