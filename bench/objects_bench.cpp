@@ -1,13 +1,14 @@
-// Many objects: what a ray costs with each of the things that spare it objects switched on and off.
+// Many objects: what a ray costs with each of the things that spare it objects switched on and off
+// (FieldTraceOptions):
 //   boxes     a hierarchy of boxes and a heap ordered by distance; off: all objects of the scene
 //   triangle  an object is evaluated only where its last value ends; off: at every step of the ray
+//             (the option `objects`)
 //   convex    steps past convex objects follow the secant
-// one ray at a time, as Hart (1996) and Krayer (2016) have it, and then as FieldTracer does it, in
-// bundles, all on and without objects. Objects: spheres, boxes, capsules, tori, turned any way, a
-// hundredth of a cube full; and nine spheres over a plane. Then a thousand of them with others
-// beside and behind the view, which no ray comes near: `objects` counts those. CSV on standard
-// output.
-// usage: objects_bench [MOST_OBJECTS]; one thread, CPU time
+// one ray at a time, as Hart (1996) and Krayer (2016) have it, and then in bundles, all on and
+// without objects. Objects: spheres, boxes, capsules, tori, turned any way, a hundredth of a cube
+// full, with a plane without end under them and without; and nine spheres over a plane. Then a
+// thousand of them with others beside and behind the view, which no ray comes near: `objects`
+// counts those. CSV on standard output. usage: objects_bench [MOST_OBJECTS]; one thread, CPU time
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,9 +26,7 @@
 
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/field/field.h"
-#include "sdfgrid/field/parts.h"
 #include "sdfgrid/trace/field_trace.h"
-#include "sdfgrid/trace/object_tree.h"
 
 using namespace sdfgrid;
 
@@ -99,145 +98,19 @@ Field random_objects(int count) {
   return make_field("union", {}, strewn(random, count));
 }
 
-Field nine_spheres() {
-  std::vector<Field> nodes = {make_field(
-      "intersection", {},
-      {make_field("plane", {{"normal", {0, 1, 0}}}), make_field("box", {{"size", {3, 1, 3}}})})};
+Field over_a_plane(const Field& objects, double height) {
+  const Field plane = make_field("plane", {{"normal", {0, 1, 0}}, {"distance", height}});
+  return make_field("union", {}, {plane, objects});
+}
+
+Field nine_spheres_and_plane() {
+  std::vector<Field> nodes;
   for (int i = 0; i < 9; ++i) {
     nodes.push_back(make_field("translate", {{"by", {i % 3 - 1.0, 0.3, i / 3 - 1.0}}},
                                {make_field("sphere", {{"radius", 0.3}})}));
   }
-  return make_field("union", {}, nodes);
+  return over_a_plane(make_field("union", {}, nodes), 0);
 }
-
-struct Switches {
-  bool boxes, triangle, convex;
-};
-
-// An object on a ray's way: where it is evaluated next, and what it was before.
-struct Item {
-  double next;
-  std::uint32_t index;
-  bool node;
-  double end = kInfinity;
-  double last = -1;
-  double value = 0;
-  bool operator<(const Item& other) const { return next > other.next; }
-};
-
-// One ray after the other, object by object.
-class SingleRays {
- public:
-  SingleRays(const ObjectTree& tree, const Box& region, double tolerance, const Switches& on)
-      : tree_(tree), region_(region), tolerance_(tolerance), on_(on) {}
-
-  double trace(const Ray& ray) {
-    ray_ = ray;
-    const Span all = clip(ray, region_);
-    if (!(all.from < all.to)) return kInfinity;
-    waiting_.clear();
-    open_.clear();
-    if (on_.boxes) {
-      add(0, true, tree_.nodes()[0].box);
-    } else {
-      for (std::uint32_t i = 0; i < tree_.objects().size(); ++i) {
-        waiting_.push_back({all.from, i, false, all.to});
-      }
-    }
-    return on_.triangle ? each_by_itself() : all_together(all.to);
-  }
-
-  std::size_t evaluations = 0;
-
- private:
-  void add(std::uint32_t index, bool node, const Box& box) {
-    const Span s = clip(ray_, box);
-    if (!(s.from <= s.to)) return;
-    waiting_.push_back({s.from, index, node, s.to});
-    std::push_heap(waiting_.begin(), waiting_.end());
-  }
-  Item nearest() {
-    std::pop_heap(waiting_.begin(), waiting_.end());
-    const Item item = waiting_.back();
-    waiting_.pop_back();
-    return item;
-  }
-  void open(const Item& item) {
-    const ObjectTree::Node& node = tree_.nodes()[item.index];
-    if (node.count == 1) {
-      add(node.first, false, node.box);
-    } else {
-      add(node.first, true, tree_.nodes()[node.first].box);
-      add(node.first + 1, true, tree_.nodes()[node.first + 1].box);
-    }
-  }
-
-  // Evaluates at t; how far the object leaves the way free, or -1 if it is hit.
-  double evaluate(Item& item, double t) {
-    ++evaluations;
-    const ObjectTree::Object& object = tree_.objects()[item.index];
-    const glm::dvec3 p = ray_.origin + t * ray_.direction;
-    const double r = static_cast<double>(object.field(glm::vec3(p)));
-    const double error = kFieldSlack * std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
-    double ahead = r;
-    if (on_.convex && object.convex && item.last >= 0 && t > item.last) {
-      const double fall = (item.value - r + 2 * error) / (t - item.last);
-      ahead = fall > 0 ? std::max(r, (r - error) / fall) : kInfinity;
-    }
-    item.last = t;
-    item.value = r;
-    return ahead < tolerance_ * t + error ? -1 : ahead;
-  }
-
-  double each_by_itself() {
-    while (!waiting_.empty()) {
-      Item item = nearest();
-      if (item.node) {
-        open(item);
-        continue;
-      }
-      const double ahead = evaluate(item, item.next);
-      if (ahead < 0) return item.next;
-      item.next += ahead;
-      if (item.next >= item.end) continue;
-      waiting_.push_back(item);
-      std::push_heap(waiting_.begin(), waiting_.end());
-    }
-    return kInfinity;
-  }
-
-  // All objects whose boxes the ray is in, at every step.
-  double all_together(double end) {
-    double t = waiting_.empty() ? kInfinity : waiting_.front().next;
-    while (t < end) {
-      while (!waiting_.empty() && waiting_.front().next <= t) {
-        const Item item = nearest();
-        if (item.node) open(item);
-        if (!item.node) open_.push_back(item);
-      }
-      double step = waiting_.empty() ? kInfinity : waiting_.front().next - t;
-      std::size_t left = 0;
-      for (Item& item : open_) {
-        if (item.end < t) continue;
-        const double ahead = evaluate(item, t);
-        if (ahead < 0) return t;
-        step = std::min(step, ahead);
-        if (ahead < kInfinity) open_[left++] = item;
-      }
-      open_.resize(left);
-      t += std::max(step, 1e-9);
-    }
-    return kInfinity;
-  }
-
-  const ObjectTree& tree_;
-  Box region_;
-  double tolerance_;
-  Switches on_;
-  Ray ray_{};
-  std::vector<Item> waiting_;
-  std::vector<Item> open_;
-};
 
 struct Shot {
   Field field;
@@ -245,16 +118,19 @@ struct Shot {
   Camera camera;
 };
 
-void report(const char* scene, int objects, const char* how, std::size_t rays, double evaluations,
-            double seconds, std::size_t hits) {
-  const auto n = static_cast<double>(rays);
-  fmt::print("{},{},{},{},{:.3f},{:.3f},{:.4f}\n", scene, objects, how, rays, evaluations / n,
-             1e6 * seconds / n, static_cast<double>(hits) / n);
+template <class Count>
+void report(const char* scene, int objects, const char* how, const std::vector<float>& depth,
+            const std::vector<Count>& steps, double seconds) {
+  const auto n = static_cast<double>(depth.size());
+  const auto hits =
+      std::count_if(depth.begin(), depth.end(), [](float d) { return std::isfinite(d); });
+  fmt::print("{},{},{},{},{:.3f},{:.3f},{:.4f}\n", scene, objects, how, depth.size(),
+             std::accumulate(steps.begin(), steps.end(), 0.0) / n, 1e6 * seconds / n,
+             static_cast<double>(hits) / n);
 }
 
 // With every set of switches, or the last of them: all on.
 void single(const char* scene, int objects, const Shot& view, int first_set = 0) {
-  const ObjectTree tree(parts_of(view.field), view.region, false);
   const RayGenerator generator(view.camera);
   const double tolerance = 0.02 * glm::length(generator.right());
   // The same pixels in the same order, as many as there is time for.
@@ -262,20 +138,26 @@ void single(const char* scene, int objects, const Shot& view, int first_set = 0)
   std::iota(pixels.begin(), pixels.end(), 0);
   std::shuffle(pixels.begin(), pixels.end(), std::mt19937(1));
   for (int bits = first_set; bits < kSets; ++bits) {
-    const Switches on{(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0};
+    FieldTraceOptions on;
+    on.bundles = false;
+    on.boxes = (bits & 1) != 0;
+    on.objects = (bits & 2) != 0;
+    on.convex = (bits & 4) != 0;
     const int most = on.boxes ? 8192 : std::clamp(400000 / std::max(objects, 1), 8, 8192);
-    SingleRays rays(tree, view.region, tolerance, on);
-    std::size_t hits = 0;
-    const double start = cpu_seconds();
+    const FieldTracer tracer(view.field, view.region, on);
+    std::vector<Ray> rays;
     for (int i = 0; i < most; ++i) {
-      const Ray ray = generator.ray(pixels[i] % kSide + 0.5, pixels[i] / kSide + 0.5);
-      hits += rays.trace(ray) < kInfinity ? 1 : 0;
+      rays.push_back(generator.ray(pixels[i] % kSide + 0.5, pixels[i] / kSide + 0.5));
     }
+    std::vector<float> depth(rays.size());
+    std::vector<std::uint32_t> steps(rays.size());
+    const double start = cpu_seconds();
+    tracer.trace(rays, tolerance, depth, steps);
+    const double seconds = cpu_seconds() - start;
     const std::string how =
-        fmt::format("{}{}{}{}", on.boxes ? " boxes" : "", on.triangle ? " triangle" : "",
+        fmt::format("{}{}{}{}", on.boxes ? " boxes" : "", on.objects ? " triangle" : "",
                     on.convex ? " convex" : "", bits == 0 ? " none" : "");
-    report(scene, objects, how.c_str() + 1, most, static_cast<double>(rays.evaluations),
-           cpu_seconds() - start, hits);
+    report(scene, objects, how.c_str() + 1, depth, steps, seconds);
   }
 }
 
@@ -292,11 +174,8 @@ void bundles(const char* scene, int objects, const Shot& view) {
       made = tracer.trace_primary(view.camera, Job());
       seconds = std::min(seconds, cpu_seconds() - start);
     }
-    const double steps = std::accumulate(made.steps.begin(), made.steps.end(), 0.0);
-    const auto hits = static_cast<std::size_t>(std::count_if(
-        made.depth.begin(), made.depth.end(), [](float d) { return std::isfinite(d); }));
-    report(scene, objects, all ? "bundles" : "bundles without objects", made.size(), steps, seconds,
-           hits);
+    report(scene, objects, all ? "bundles" : "bundles without objects", made.depth, made.steps,
+           seconds);
   }
 }
 
@@ -325,11 +204,20 @@ Shot with_others(int near, int others) {
   return {field, {box.lo - 1e-3, box.hi + 1e-3}, camera};
 }
 
-void run(const char* scene, int objects, const Field& field) {
-  const Box box = field.bounds();
-  const Shot view{field, {box.lo - 1e-3, box.hi + 1e-3}, frame(box, kSide, kSide)};
-  single(scene, objects, view);
+void run(const char* scene, int objects, const Shot& view, int first_set = 0) {
+  single(scene, objects, view, first_set);
   bundles(scene, objects, view);
+}
+
+Shot shot_of(const Field& field, const Box& box) {
+  return {field, {box.lo - 1e-3, box.hi + 1e-3}, frame(box, kSide, kSide)};
+}
+
+// Nine spheres in view, and the plane as far as the region goes.
+Shot spheres_and_plane() {
+  Shot shot = shot_of(nine_spheres_and_plane(), {{-1.4, 0, -1.4}, {1.4, 0.6, 1.4}});
+  shot.region = {glm::dvec3(-20), glm::dvec3(20)};
+  return shot;
 }
 
 }  // namespace
@@ -338,12 +226,15 @@ int main(int argc, char** argv) {
   const int most = argc > 1 ? std::atoi(argv[1]) : 100000;
   const ThreadLimit one(1);
   fmt::print("scene,objects,switches on,rays,evaluations a ray,microseconds a ray,hits\n");
-  run("spheres and plane", 10, nine_spheres());
-  for (int n = 10; n <= most; n *= 10) run("random", n, random_objects(n));
+  run("spheres and plane", 10, spheres_and_plane());
+  for (int n = 10; n <= most; n *= 10) {
+    const Field objects = random_objects(n);
+    const Box box = objects.bounds();
+    run("random", n, shot_of(objects, box));
+    run("random and plane", n, shot_of(over_a_plane(objects, box.lo.y), box), kSets - 1);
+  }
   for (int n = 0; n <= most; n = n == 0 ? 1000 : 10 * n) {
-    const Shot view = with_others(1000, n);
-    single(kOthers, n, view, kSets - 1);
-    bundles(kOthers, n, view);
+    run(kOthers, n, with_others(1000, n), kSets - 1);
   }
   return 0;
 }

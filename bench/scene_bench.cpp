@@ -84,8 +84,7 @@ void trace(const Field& field, int repetitions) {
   const Camera camera = frame(field.bounds(), 512, 512);
   const char* const names[] = {"plain sphere tracing", "relaxed", "pruned", "relaxed and pruned",
                                "objects apart"};
-  FieldTraceOptions plain = {.local_bounds = false, .objects = false, .convex = false};
-  plain.relax = plain.prune = plain.beams = false;
+  const FieldTraceOptions plain = kPlainSphereTracing;
   FieldTraceOptions relaxed = plain;
   relaxed.relax = true;
   FieldTraceOptions pruned = plain;

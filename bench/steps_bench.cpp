@@ -26,12 +26,7 @@ namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 int pixels = 512;  // a side
-constexpr FieldTraceOptions kPlain = {.relax = false,
-                                      .local_bounds = false,
-                                      .prune = false,
-                                      .objects = false,
-                                      .convex = false,
-                                      .beams = false};
+constexpr FieldTraceOptions kPlain = kPlainSphereTracing;
 
 struct Named {
   const char* name;

@@ -11,7 +11,7 @@
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/field/parts.h"
 #include "sdfgrid/trace/field_march.h"
-#include "sdfgrid/trace/object_tree.h"
+#include "sdfgrid/trace/object_rays.h"
 
 namespace sdfgrid {
 namespace {
@@ -47,9 +47,9 @@ FieldTracer::FieldTracer(const Field& field, const Box& region, FieldTraceOption
   if (region.empty() || !std::isfinite(reach(region))) {
     throw Error(ErrorKind::usage, "rays need a region with an end to be traced in");
   }
-  if (options.objects) {
+  if (options.objects || !options.bundles) {
     std::vector<FieldPart> parts = parts_of(field);
-    if (parts.size() > 1) {
+    if (parts.size() > 1 || !options.bundles) {
       objects_ = std::make_unique<ObjectTree>(std::move(parts), region, options.local_bounds);
       crowded_ = options.prune && is_crowd(*objects_, region);
     }
@@ -62,6 +62,17 @@ FieldTracer::~FieldTracer() = default;
 
 float FieldTracer::sign_at(const glm::dvec3& p) const { return field_(glm::vec3(p)) < 0 ? -1 : 1; }
 
+ObjectRules FieldTracer::object_rules() const {
+  return {options_.boxes, options_.objects, options_.convex};
+}
+
+// Up to three rays are faster one by one. Those that begin inside look for where they leave the
+// whole.
+bool FieldTracer::go_alone(std::size_t rays, float sign) const {
+  constexpr std::size_t kFew = 3;
+  return objects_ && sign > 0 && (!options_.bundles || (options_.objects && rays <= kFew));
+}
+
 // `field` is what is left of the whole for these rays, or null where objects are traced each by
 // itself; `sign` is its sign where they begin.
 void FieldTracer::trace(Bundle& bundle, const Field* field, double tolerance, float sign,
@@ -73,7 +84,7 @@ void FieldTracer::trace(Bundle& bundle, const Field* field, double tolerance, fl
   rules.bounds = bounds_.get();
   rules.tolerance = tolerance;
   rules.sign = sign;
-  if (field == nullptr) return objects_->trace(bundle, rules, options_.convex, march);
+  if (field == nullptr) return objects_->trace(bundle, rules, object_rules(), march);
   march.run(bundle, *field, rules, region_);
 }
 
@@ -83,6 +94,7 @@ namespace {
 struct Workspace {
   Bundle bundle;
   FieldMarch march;
+  ObjectRays alone;
 };
 Workspace& workspace() {
   thread_local Workspace space;
@@ -96,18 +108,40 @@ std::uint16_t counted(std::uint32_t steps) {
 }  // namespace
 
 void FieldTracer::trace(std::span<const Ray> rays, double tolerance, std::span<float> depth,
-                        std::span<std::uint16_t> steps) const {
+                        std::span<std::uint32_t> steps) const {
   constexpr std::size_t kBundle = 1024;
-  auto& [bundle, march] = workspace();
   for (std::size_t i = 0; i < rays.size(); i += kBundle) {
     const std::size_t n = std::min(kBundle, rays.size() - i);
-    bundle.set(rays.subspan(i, n));
     const float sign = sign_at(rays[i].origin);
-    trace(bundle, objects_ && sign > 0 ? nullptr : &field_, tolerance, sign, march);
-    for (std::size_t k = 0; k < n; ++k) {
-      depth[i + k] = static_cast<float>(bundle.depth[k]);
-      if (!steps.empty()) steps[i + k] = counted(bundle.steps[k]);
+    const std::span<std::uint32_t> counts = steps.empty() ? steps : steps.subspan(i, n);
+    if (go_alone(n, sign)) {
+      trace_alone(rays.subspan(i, n), tolerance, depth.subspan(i, n), counts);
+    } else {
+      trace_bundle(rays.subspan(i, n), tolerance, sign, depth.subspan(i, n), counts);
     }
+  }
+}
+
+void FieldTracer::trace_bundle(std::span<const Ray> rays, double tolerance, float sign,
+                               std::span<float> depth, std::span<std::uint32_t> steps) const {
+  Workspace& space = workspace();
+  Bundle& bundle = space.bundle;
+  bundle.set(rays);
+  const bool apart = options_.objects && objects_ && sign > 0;
+  trace(bundle, apart ? nullptr : &field_, tolerance, sign, space.march);
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    depth[k] = static_cast<float>(bundle.depth[k]);
+    if (!steps.empty()) steps[k] = bundle.steps[k];
+  }
+}
+
+void FieldTracer::trace_alone(std::span<const Ray> rays, double tolerance, std::span<float> depth,
+                              std::span<std::uint32_t> steps) const {
+  ObjectRays& alone = workspace().alone;
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    const ObjectRays::Result hit = alone.trace(*objects_, object_rules(), tolerance, rays[k]);
+    depth[k] = static_cast<float>(hit.depth);
+    if (!steps.empty()) steps[k] = hit.evaluations;
   }
 }
 
@@ -203,22 +237,55 @@ Box FieldTracer::seen_through(const RayGenerator& generator, const glm::dvec3& e
   return box;
 }
 
-HitBuffer FieldTracer::trace_primary(const Camera& camera, const Job& job) const {
-  HitBuffer hits;
-  hits.width = camera.width;
-  hits.height = camera.height;
+namespace {
+
+HitBuffer without_hits(const Camera& camera) {
   const auto pixels = static_cast<std::size_t>(camera.width) * camera.height;
+  HitBuffer hits{camera.width, camera.height, {}, {}};
   hits.depth.assign(pixels, std::numeric_limits<float>::infinity());
   hits.steps.assign(pixels, 0);
+  return hits;
+}
+
+// A fiftieth of a pixel's width.
+double tolerance_of(const RayGenerator& generator) { return 0.02 * glm::length(generator.right()); }
+
+}  // namespace
+
+HitBuffer FieldTracer::trace_alone(const Camera& camera, const Job& job) const {
+  HitBuffer hits = without_hits(camera);
   const RayGenerator generator(camera);
-  const double tolerance = 0.02 * glm::length(generator.right());
+  const auto width = static_cast<std::size_t>(camera.width);
+  parallel_for(
+      static_cast<std::size_t>(camera.height), 1, job, [&](std::size_t begin, std::size_t end) {
+        std::vector<Ray> rays(width);
+        std::vector<std::uint32_t> steps(width);
+        for (std::size_t y = begin; y < end; ++y) {
+          for (std::size_t x = 0; x < width; ++x) {
+            rays[x] = generator.ray(double(x) + 0.5, double(y) + 0.5);
+          }
+          trace_alone(rays, tolerance_of(generator),
+                      std::span(hits.depth).subspan(y * width, width), steps);
+          std::transform(steps.begin(), steps.end(), hits.steps.begin() + y * width, counted);
+        }
+      });
+  return hits;
+}
+
+HitBuffer FieldTracer::trace_primary(const Camera& camera, const Job& job) const {
+  HitBuffer hits = without_hits(camera);
   const float sign = sign_at(camera.eye);
-  const bool together = !objects_ || sign < 0 || (crowded_ && field_.size() * kPixels <= pixels);
+  if (go_alone(hits.size(), sign)) return trace_alone(camera, job);
+  const RayGenerator generator(camera);
+  const double tolerance = tolerance_of(generator);
+  const bool apart = options_.objects && objects_ && sign > 0;
+  const bool together = !apart || (crowded_ && field_.size() * kPixels <= hits.size());
   const PacketCamera packets = packet_camera(generator, camera.eye);
   const int across = (camera.width + kBlock - 1) / kBlock;
   const int down = (camera.height + kBlock - 1) / kBlock;
   parallel_for(std::size_t(across) * down, 1, job, [&](std::size_t begin, std::size_t end) {
-    auto& [bundle, march] = workspace();
+    Workspace& space = workspace();
+    Bundle& bundle = space.bundle;
     for (std::size_t i = begin; i < end; ++i) {
       const int left = static_cast<int>(i % across) * kBlock;
       const int top = static_cast<int>(i / across) * kBlock;
@@ -232,7 +299,7 @@ HitBuffer FieldTracer::trace_primary(const Camera& camera, const Job& job) const
           const PixelSquare square{x, y, std::min(kTile, right - x), std::min(kTile, bottom - y)};
           const std::vector<glm::ivec2> blocks = blocks_of(square);
           look(packets, blocks, bundle);
-          trace(bundle, together ? &here : nullptr, tolerance, sign, march);
+          trace(bundle, together ? &here : nullptr, tolerance, sign, space.march);
           write_results(bundle, blocks, hits);
         }
       }

@@ -34,15 +34,28 @@ struct FieldTraceOptions {
   bool relax = true;
   bool local_bounds = true;
   bool prune = true;
-  bool objects = true;  // parts of a union each by itself, found through a tree of boxes, where
-                        // a ray does not meet most of them
+  bool objects = true;  // parts of a union each by itself, where a ray does not meet most of them:
+                        // evaluated next where its own last value ends, whatever the others make of
+                        // the ray (the triangle inequality). Off: all of them at each step
+  bool boxes = true;  // objects are found through a tree of boxes, nearest first. Off: all of them,
+                      // everywhere in the region
   bool convex = true;   // steps of objects that are convex follow the secant
   bool beams = true;    // rays beside each other go together as long as they are far from anything
+  bool bundles = true;  // off: one ray after the other (object_rays.h), neither relaxed nor pruned;
+                        // so go up to three rays of a union in any case, faster than in a bundle
 };
+// Steps as long as the value of the whole field, no more: what all else is held against.
+inline constexpr FieldTraceOptions kPlainSphereTracing = {.relax = false,
+                                                          .local_bounds = false,
+                                                          .prune = false,
+                                                          .objects = false,
+                                                          .convex = false,
+                                                          .beams = false};
 
 class FieldMarch;
 class ObjectTree;
 struct Bundle;
+struct ObjectRules;
 
 // Pixels that lie in the picture.
 struct PixelSquare {
@@ -61,7 +74,7 @@ class FieldTracer {
   // leave. Directions have unit length; all rays begin on the same side of the surface, and those
   // beside each other in the list should run beside each other. Safe to call from many threads.
   void trace(std::span<const Ray> rays, double tolerance, std::span<float> depth,
-             std::span<std::uint16_t> steps) const;
+             std::span<std::uint32_t> steps) const;
 
   // First hits of the rays through the pixel centres, each where less than a fiftieth of a pixel's
   // width is known to be free.
@@ -72,8 +85,15 @@ class FieldTracer {
 
  private:
   [[nodiscard]] float sign_at(const glm::dvec3& p) const;
+  [[nodiscard]] ObjectRules object_rules() const;
+  [[nodiscard]] bool go_alone(std::size_t rays, float sign) const;
   void trace(Bundle& bundle, const Field* field, double tolerance, float sign,
              FieldMarch& march) const;
+  void trace_bundle(std::span<const Ray> rays, double tolerance, float sign, std::span<float> depth,
+                    std::span<std::uint32_t> steps) const;
+  void trace_alone(std::span<const Ray> rays, double tolerance, std::span<float> depth,
+                   std::span<std::uint32_t> steps) const;
+  [[nodiscard]] HitBuffer trace_alone(const Camera& camera, const Job& job) const;
   [[nodiscard]] Box seen_through(const RayGenerator& generator, const glm::dvec3& eye,
                                  const PixelSquare& square) const;
 
@@ -81,7 +101,7 @@ class FieldTracer {
   Box region_;
   FieldTraceOptions options_;
   std::unique_ptr<const LocalBounds> bounds_;  // of the whole; none where they would not help
-  std::unique_ptr<const ObjectTree> objects_;  // none if the field is a single one
+  std::unique_ptr<const ObjectTree> objects_;  // none if it is not taken apart
   bool crowded_ = false;                       // they are so close that pruning serves better
 };
 

@@ -33,9 +33,9 @@ struct Waiting {
 
 class Traversal {
  public:
-  Traversal(const ObjectTree& tree, Bundle& bundle, const MarchRules& rules, bool use_convex,
+  Traversal(const ObjectTree& tree, Bundle& bundle, const MarchRules& rules, const ObjectRules& use,
             FieldMarch& march)
-      : tree_(tree), bundle_(bundle), rules_(rules), use_convex_(use_convex), march_(march) {
+      : tree_(tree), bundle_(bundle), rules_(rules), use_(use), march_(march) {
     beams_.resize((bundle.rays.size() + kLanes - 1) / kLanes);
     for (std::size_t i = 0; i < bundle.rays.size(); ++i) set_beam(bundle.rays[i], i);
   }
@@ -46,14 +46,22 @@ class Traversal {
       const std::size_t count = std::min<std::size_t>(kLanes, groups - std::size_t{i} * kLanes);
       all_.push_back({i, (1U << count) - 1});
     }
-    push(0, 0, static_cast<std::uint32_t>(all_.size()));
+    const auto passages = static_cast<std::uint32_t>(all_.size());
+    if (!use_.boxes) {
+      for (const ObjectTree::Object& object : tree_.objects()) {
+        trace(object, tree_.region(), {0, 0, 0, passages});
+      }
+      return;
+    }
+    push(0, 0, passages);
     while (!heap_.empty()) {
       std::pop_heap(heap_.begin(), heap_.end());
       const Waiting at = heap_.back();
       heap_.pop_back();
       const ObjectTree::Node& node = tree_.nodes()[at.node];
       if (node.count == 1) {
-        trace(tree_.objects()[node.first], at);
+        const ObjectTree::Object& object = tree_.objects()[node.first];
+        trace(object, object.box, at);
       } else {
         push(node.first, at.begin, at.end);
         push(node.first + 1, at.begin, at.end);
@@ -109,12 +117,13 @@ class Traversal {
     std::push_heap(heap_.begin(), heap_.end());
   }
 
-  void trace(const ObjectTree::Object& object, const Waiting& at) {
+  // Within a box, which is the object's own if those are used.
+  void trace(const ObjectTree::Object& object, const Box& box, const Waiting& at) {
     MarchRules rules = rules_;
-    rules.convex = use_convex_ && object.convex;
-    rules.bounds = object.bounds.get();
+    rules.convex = use_.convex && object.convex;
+    rules.bounds = use_.boxes ? object.bounds.get() : nullptr;  // it has none beyond its box
     stretches_.clear();
-    each_group(at, [&](std::uint32_t group) { add_rays(group, object.box); });
+    each_group(at, [&](std::uint32_t group) { add_rays(group, box); });
     if (stretches_.empty()) return;
     march_.run(bundle_, object.field, rules, stretches_);
     each_group(at, [&](std::uint32_t group) {
@@ -156,7 +165,7 @@ class Traversal {
   const ObjectTree& tree_;
   Bundle& bundle_;
   MarchRules rules_;
-  bool use_convex_;
+  ObjectRules use_;
   FieldMarch& march_;
   const MeetBox meet_ = meet_box();
   std::vector<BeamLanes> beams_;  // of sixteen groups each; deepest: of their rays' hits so far
@@ -235,7 +244,8 @@ std::unique_ptr<const LocalBounds> useful_bounds(const Field& field, const Box& 
   return nullptr;
 }
 
-ObjectTree::ObjectTree(std::vector<FieldPart> parts, const Box& region, bool slopes) {
+ObjectTree::ObjectTree(std::vector<FieldPart> parts, const Box& region, bool slopes)
+    : region_(region) {
   objects_.reserve(parts.size());
   const int levels = parts.size() <= 64 ? 6 : kFewLevels;
   for (FieldPart& part : parts) {
@@ -272,10 +282,10 @@ void ObjectTree::build(std::uint32_t node, std::uint32_t begin, std::uint32_t en
   build(children + 1, half, end);
 }
 
-void ObjectTree::trace(Bundle& bundle, const MarchRules& rules, bool use_convex,
+void ObjectTree::trace(Bundle& bundle, const MarchRules& rules, const ObjectRules& use,
                        FieldMarch& march) const {
   if (nodes_.empty()) return;
-  Traversal(*this, bundle, rules, use_convex, march).run();
+  Traversal(*this, bundle, rules, use, march).run();
 }
 
 }  // namespace sdfgrid

@@ -17,6 +17,13 @@
 
 namespace sdfgrid {
 
+// Which of the things that spare rays objects are used: see FieldTraceOptions.
+struct ObjectRules {
+  bool boxes = true;
+  bool apart = true;  // FieldTraceOptions::objects
+  bool convex = true;
+};
+
 class ObjectTree {
  public:
   struct Object {
@@ -25,14 +32,17 @@ class ObjectTree {
     bool convex = false;
     std::unique_ptr<const LocalBounds> bounds;  // none where they would not help
   };
-  // Boxes of objects end at the region's; `slopes`: ask for local bounds.
+  // Boxes of objects end at the region's; `slopes`: ask for local bounds. Those without end
+  // are as large as it.
   ObjectTree(std::vector<FieldPart> parts, const Box& region, bool slopes);
 
   [[nodiscard]] const std::vector<Object>& objects() const { return objects_; }
+  [[nodiscard]] const Box& region() const { return region_; }
 
-  // First hits of all rays of the bundle, which start outside of all objects. Of `rules` convex and
-  // bounds are set for each object; `use_convex` allows the former.
-  void trace(Bundle& bundle, const MarchRules& rules, bool use_convex, FieldMarch& march) const;
+  // First hits of all rays of the bundle, which start outside of all objects, each object by
+  // itself. Of `rules` convex and bounds are set for each object.
+  void trace(Bundle& bundle, const MarchRules& rules, const ObjectRules& use,
+             FieldMarch& march) const;
 
   // An inner node has its two children at `first` and the next place; a leaf (count 1) its object.
   struct Node {
@@ -46,6 +56,7 @@ class ObjectTree {
  private:
   void build(std::uint32_t node, std::uint32_t begin, std::uint32_t end);
 
+  Box region_;
   std::vector<Object> objects_;
   std::vector<Node> nodes_;
 };

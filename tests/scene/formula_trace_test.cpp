@@ -65,7 +65,7 @@ Counts trace(const std::string& order) {
   const FieldTracer tracer(field, {glm::dvec3(-1.7, -1.7, -0.7), glm::dvec3(1.7, 1.7, 0.7)});
   const std::vector<Ray> rays = picture();
   std::vector<float> depth(rays.size());
-  std::vector<std::uint16_t> steps(rays.size());
+  std::vector<std::uint32_t> steps(rays.size());
   tracer.trace(rays, kTolerance, depth, steps);
   Counts counts;
   for (std::size_t i = 0; i < rays.size(); ++i) {

@@ -182,6 +182,7 @@ class Trial {
       for (int x = 0; x < camera.width; ++x) rays.push_back(generator.ray(x + 0.5, y + 0.5));
     }
     std::vector<FirstRoot> roots;
+    roots.reserve(rays.size());
     for (const Ray& ray : rays) roots.push_back(root_of(ray));
     const double tolerance = 0.02 * glm::length(generator.right());
     std::vector<float> depth(rays.size());

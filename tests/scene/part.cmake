@@ -7,6 +7,7 @@ sdfgrid_test(scene_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/scene_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/file_leaves_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/paint_scene_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/words_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/first_root.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/../app/process.cpp
              PACKAGES OpenVDB::openvdb)
 target_compile_definitions(scene_test PRIVATE SDFGRID_BINARY="")
