@@ -8,7 +8,7 @@
 namespace sdfgrid::SDFGRID_ISA {
 namespace {
 
-constexpr std::int32_t kMostSteps = 5000;
+constexpr std::int32_t kMostSteps = 1 << 22;  // no ray needs so many
 constexpr float kMomentum = 0.3F;  // how much of a step's slope goes into the next one's
 constexpr float kFar = 1e30F;      // as good as without end
 
@@ -234,7 +234,11 @@ inline I16 step_group(RayGroup& g, const StepRule& rule, const F16 (&p)[3], F16 
   const I16 taken_back = active & (t > clear) & ~((r >= 0.0F) & (t - back <= clear));
   const I16 taken = active & ~taken_back;
   const F16 least = fma(t, splat(rule.tolerance), splat(rule.near)) + error + rule.share * radius;
-  const I16 hit = taken & ((r < 0.0F) | (ahead.surface < least));
+  const std::int32_t* const counted = g.steps;
+  const I16 steps = load(counted) - active;
+  // What is not hit leaves at least half the error free: rays that glide along a surface take many
+  // steps, but none is given up as free.
+  const I16 hit = taken & ((r < 0.0F) | (ahead.surface <= least) | (steps >= kMostSteps));
   const F16 free = t + ahead.way;
   F16 next = free;
   if (rule.relax && !rule.convex) {
@@ -245,12 +249,9 @@ inline I16 step_group(RayGroup& g, const StepRule& rule, const F16 (&p)[3], F16 
   // Beyond the limit this program does not hold, beyond the end no local bound: only what is
   // certain goes there.
   next = max(free, min(next, at_most(end, rule.limit)));
-  const std::int32_t* const counted = g.steps;
-  const I16 steps = load(counted) - active;
   store(g.steps, steps);
-  const I16 over = hit | (steps >= kMostSteps);
   const F16 now_clear = select(taken, free, clear);
-  const F16 now_end = select(over, splat(RayGroup::kNever), end);
+  const F16 now_end = select(hit, splat(RayGroup::kNever), end);
   store(g.clear, now_clear);
   store(g.end, now_end);
   store(g.next, select(taken, next, select(taken_back, clear, t)));

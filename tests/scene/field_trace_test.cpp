@@ -204,6 +204,31 @@ TEST(FieldTrace, SwitchesChangeTheWorkNotThePicture) {
   expect_right(FieldTracer(field, region), around, 2);
 }
 
+// Rays that run long beside a floor, nearer than a thousandth of their way, end at the wall.
+TEST(FieldTrace, RaysThatGlideAlongASurfaceHitWhatIsBehind) {
+  const Field field = field_of(
+      "[{smooth_union: {k: 0.05, of: [{box: {size: [20, 0.2, 4]}, at: [0, -0.1, 0]}, {box: {size: "
+      "[0.2, 2, 4]}, at: [9, 1, 0]}]}}]");
+  std::vector<Ray> rays;
+  for (int i = 0; i < 64; ++i) {
+    const double height = 3e-5 * std::pow(1.1, i);
+    rays.push_back(
+        {{-9.5, height, 0.02 * i}, glm::normalize(glm::dvec3(1, 1e-6 * (i % 5 - 2), 0))});
+  }
+  const std::vector<test::FirstRoot> roots = roots_of(field, rays);
+  std::vector<float> depth(rays.size());
+  FieldTraceOptions alone;
+  alone.bundles = false;
+  for (const FieldTraceOptions& options :
+       {FieldTraceOptions{}, kWhole, kPlain, kOnlyRelaxed, alone}) {
+    for (const double tolerance : {3e-5, 1e-6}) {
+      FieldTracer(field, region_of(field), options).trace(rays, tolerance, depth, {});
+      expect_right(field, rays, roots, depth, tolerance);
+      EXPECT_EQ(std::count(depth.begin(), depth.end(), kNothing), 0);
+    }
+  }
+}
+
 // Rings that all reach through each other: those of a large picture are pruned together, those of a
 // small one met one by one. Few of them, beside each other, are met one by one in any.
 TEST(FieldTrace, ACrowdIsPrunedTogether) {
