@@ -92,6 +92,27 @@ TEST_F(SceneApp, BecomesAPicture) {
   EXPECT_LT(result["hits"], 64 * 64);
 }
 
+// A floor without end leaves the others what they are to rays: objects that are met one by one.
+TEST_F(SceneApp, AFloorWithoutEndCostsLittle) {
+  std::string balls;
+  for (int i = 0; i < 64; ++i) {
+    balls += "  - {sphere: {radius: 0.1}, at: [" + std::to_string(i % 8) + ", 0.5, " +
+             std::to_string(i / 8) + "]}\n";
+  }
+  const std::string start =
+      "sdfgrid: 1\n"
+      "camera: {eye: [3, 9, 14], target: [3.5, 0, 3.5], up: [0, 1, 0]}\n"
+      "scene:\n";
+  const auto steps = [&](const std::string& scene) {
+    const Outcome outcome =
+        run({"render", folder_.write("floor.yaml", scene), "-o", folder_.path("floor.png"),
+             "--size", "96x96", "--samples", "1", "--force", "--json"});
+    EXPECT_EQ(outcome.exit, 0) << outcome.error;
+    return json::parse(outcome.out)["steps_mean"].get<double>();
+  };
+  EXPECT_LT(steps(start + "  - plane: {normal: [0, 1, 0]}\n" + balls), steps(start + balls) + 4);
+}
+
 TEST_F(SceneApp, IsSampledForNumpy) {
   const std::string out = folder_.path("samples.npy");
   const Outcome outcome = run({"sample", scene_, "-o", out, "--random", "50"});
