@@ -105,9 +105,10 @@ Field over_a_plane(const Field& objects, double height) {
 
 Field nine_spheres_and_plane() {
   std::vector<Field> nodes;
-  for (int i = 0; i < 9; ++i) {
-    nodes.push_back(make_field("translate", {{"by", {i % 3 - 1.0, 0.3, i / 3 - 1.0}}},
-                               {make_field("sphere", {{"radius", 0.3}})}));
+  for (const double x : {-1, 0, 1}) {
+    for (const double z : {-1, 0, 1}) {
+      nodes.push_back(moved(make_field("sphere", {{"radius", 0.3}}), {x, 0.3, z}));
+    }
   }
   return over_a_plane(make_field("union", {}, nodes), 0);
 }
@@ -146,8 +147,10 @@ void single(const char* scene, int objects, const Shot& view, int first_set = 0)
     const int most = on.boxes ? 8192 : std::clamp(400000 / std::max(objects, 1), 8, 8192);
     const FieldTracer tracer(view.field, view.region, on);
     std::vector<Ray> rays;
+    rays.reserve(static_cast<std::size_t>(most));
     for (int i = 0; i < most; ++i) {
-      rays.push_back(generator.ray(pixels[i] % kSide + 0.5, pixels[i] / kSide + 0.5));
+      const int row = pixels[i] / kSide;
+      rays.push_back(generator.ray(pixels[i] % kSide + 0.5, row + 0.5));
     }
     std::vector<float> depth(rays.size());
     std::vector<std::uint32_t> steps(rays.size());

@@ -4,6 +4,7 @@ sdfgrid_test(scene_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/scene_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/field_trace_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/formula_trace_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/refused_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/csg_surface_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/file_leaves_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/paint_scene_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/words_test.cpp
