@@ -14,10 +14,12 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Of a coordinate: over shorter stretches intervals, which hold what floats may be off, get no
 // narrower.
 constexpr double kShortest = 5e-7;
-// The interval of a repetition stays wide at the walls of its cells. A field whose slope is proved
-// to be 1 at most has no root this near a value so many times the distance, even if the proof is
-// wrong.
-constexpr double kSteep = 1000;
+// Intervals stay wide at the walls of a repetition's cells and where pictures displace a surface.
+// The slope of a field is at most 1, which the tests of ops hold against pairs of points: over
+// stretches shorter than this part of a coordinate there is no root beside a value so many times
+// their length.
+constexpr double kShort = 1e-3;
+constexpr double kSteep = 4;
 // A ray beside a surface leaves many stretches open: after so many they are twice as long.
 constexpr int kMany = 1000;
 
@@ -29,27 +31,31 @@ double value_at(const Field& field, const Ray& ray, double t) {
 
 class Search {
  public:
-  Search(const Field& whole, const Ray& ray, double shortest)
-      : whole_(whole), ray_(ray), shortest_(shortest) {}
+  // `far` is the largest coordinate.
+  Search(const Field& whole, const Ray& ray, double far)
+      : whole_(whole), ray_(ray), short_(kShort * far), shortest_(kShortest * far) {}
 
   // Whether there is a root for certain; nothing is known of what lies beyond it.
   bool over(const Field& field, double from, double to) {
-    if (to - from <= shortest_) return ends_inside(from, to);
     Box box;
     box.add(at(ray_, from));
     box.add(at(ray_, to));
     const Restricted here = *field.restricted(box);
     if (here.range.lo > 0) return false;
+    const double length = to - from;
+    if (length <= short_) {
+      const double value = value_at(whole_, ray_, to);
+      if (value > kSteep * length) return false;
+      if (length <= shortest_) return ends_inside(from, to, value);
+    }
     const double middle = 0.5 * (from + to);
     return over(here.field, from, middle) || over(here.field, middle, to);
   }
   [[nodiscard]] const FirstRoot& root() const { return root_; }
 
  private:
-  // Of a stretch that intervals leave open.
-  bool ends_inside(double from, double to) {
-    const double value = value_at(whole_, ray_, to);
-    if (value > kSteep * (to - from)) return false;
+  // Of a stretch that is left open.
+  bool ends_inside(double from, double to, double value) {
     root_.possible = std::min(root_.possible, from);
     if (++open_ % kMany == 0) shortest_ *= 2;
     if (!(value < 0)) return false;
@@ -59,7 +65,7 @@ class Search {
 
   const Field& whole_;
   Ray ray_;
-  double shortest_;
+  double short_, shortest_;
   int open_ = 0;
   FirstRoot root_{kInfinity, kInfinity};
 };
@@ -70,7 +76,7 @@ FirstRoot first_root(const Field& field, const Ray& ray, double from, double to)
   if (!(from < to)) return {kInfinity, kInfinity};
   const double far =
       std::max(reach({at(ray, from), at(ray, from)}), reach({at(ray, to), at(ray, to)}));
-  Search search(field, ray, kShortest * far);
+  Search search(field, ray, far);
   search.over(field, from, to);
   return search.root();
 }

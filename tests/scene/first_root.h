@@ -1,6 +1,7 @@
 // tests/scene/first_root.h: where a ray first meets the surface of a field, proved, not sampled:
-// stretches of the ray whose interval is above zero hold no root, others are halved until a change
-// of sign in double precision is caught; and what tracing has to keep of that.
+// stretches of the ray whose interval is above zero hold no root, nor do short ones beside a value
+// that is larger than they are long; others are halved until a change of sign in double precision
+// is caught. And what tracing has to keep of that.
 #pragma once
 
 #include "sdfgrid/field/field.h"

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "field/examples.h"
 #include "scene/first_root.h"
 #include "sdfgrid/core/isa.h"
 #include "sdfgrid/core/parallel.h"
@@ -136,15 +137,17 @@ Camera make_camera(const Stage& scene, std::uint32_t seed) {
     if (value < nearest) camera.target = p;
     nearest = std::min(nearest, value);
   }
-  do {
-    const double away = glm::length(box.size()) * (0.1 + 1.5 * unit(random));
+  const float side = seed % 8 == 3 ? -1 : 1;
+  for (int i = 0; i < 400; ++i) {
+    const double away = glm::length(box.size()) * (0.02 + 1.5 * unit(random));
     glm::dvec3 towards = glm::normalize(within() - 0.5);
     if (seed % 5 == 0) {
       towards = glm::dvec3(0);
       towards[static_cast<int>(random() % 3)] = random() % 2 == 0 ? 1 : -1;
     }
     camera.eye = (seed % 5 == 0 ? camera.target : box.center()) + away * towards;
-  } while (scene.field(glm::vec3(camera.eye)) < 0);
+    if (side * scene.field(glm::vec3(camera.eye)) > 1e-3F) break;
+  }
   camera.up = glm::normalize(within() - 0.5);
   camera.fov = std::pow(10, 2 * unit(random) - 0.3);
   camera.width = seed % 40 == 7 ? 151 : 23;
@@ -167,7 +170,8 @@ constexpr double kClose = 1e-4;  // a proof that leaves no more of a ray open
 
 class Trial {
  public:
-  explicit Trial(const Stage& scene) : scene_(scene) {
+  explicit Trial(const Stage& scene)
+      : scene_(scene), turned_(make_field("complement", {}, {scene.field})) {
     for (const Way& way : kWays) {
       tracers_.push_back(std::make_unique<FieldTracer>(scene.field, scene.region, way.options));
     }
@@ -181,9 +185,11 @@ class Trial {
     for (int y = 0; y < camera.height; ++y) {
       for (int x = 0; x < camera.width; ++x) rays.push_back(generator.ray(x + 0.5, y + 0.5));
     }
+    // Rays that begin inside enter what is not inside.
+    const bool inside = scene_.field(glm::vec3(camera.eye)) < 0;
     std::vector<FirstRoot> roots;
     roots.reserve(rays.size());
-    for (const Ray& ray : rays) roots.push_back(root_of(ray));
+    for (const Ray& ray : rays) roots.push_back(root_of(inside ? turned_ : scene_.field, ray));
     const double tolerance = 0.02 * glm::length(generator.right());
     std::vector<float> depth(rays.size());
     for (std::size_t i = 0; i < tracers_.size(); ++i) {
@@ -195,34 +201,35 @@ class Trial {
     }
   }
 
-  void report() const {
-    fmt::print("{} rays on {}, {} with a root, of {} the proof leaves more than {} open\n",
-               rays_.load(), isa_name(active_isa()), rooted_.load(), open_.load(), kClose);
+  void report(const std::string& title) const {
+    fmt::print("{}: {} rays on {}, {} with a root, of {} the proof leaves more than {} open\n",
+               title, rays_.load(), isa_name(active_isa()), rooted_.load(), open_.load(), kClose);
     for (std::size_t i = 0; i < tracers_.size(); ++i) {
       const Tally& t = tallies_[i];
       fmt::print("{:>22}: {} rays traced, {} hits, {} missed, {} where there is no surface\n",
                  kWays[i].name, t.rays.load(), t.hits.load(), t.missed.load(), t.invented.load());
       EXPECT_EQ(t.missed, 0U);
       EXPECT_EQ(t.invented, 0U);
-      EXPECT_GT(t.hits, t.rays / 10);
     }
-    EXPECT_LT(open_, rays_ / 100);
   }
+  [[nodiscard]] std::size_t rays() const { return rays_; }
+  [[nodiscard]] std::size_t rooted() const { return rooted_; }
+  [[nodiscard]] std::size_t open() const { return open_; }
 
  private:
   struct Tally {
     std::atomic<std::size_t> rays{0}, hits{0}, missed{0}, invented{0};
   };
 
-  FirstRoot root_of(const Ray& ray) {
-    const FirstRoot root = test::first_root(scene_.field, ray, scene_.region);
+  FirstRoot root_of(const Field& field, const Ray& ray) {
+    const FirstRoot root = test::first_root(field, ray, scene_.region);
     ++rays_;
     rooted_ += std::isfinite(root.certain) ? 1 : 0;
     open_ += root.possible < root.certain - kClose ? 1 : 0;
     const Span in = clip(ray, scene_.region);
     const double to = std::min(in.to, root.possible);
     if (in.from < to) {
-      const double inside = test::first_sample_inside(scene_.field, ray, in.from, to, kSamples);
+      const double inside = test::first_sample_inside(field, ray, in.from, to, kSamples);
       EXPECT_GE(inside, to) << "the proof is wrong";
     }
     return root;
@@ -249,6 +256,7 @@ class Trial {
   }
 
   const Stage& scene_;
+  Field turned_;  // inside out
   std::vector<std::unique_ptr<FieldTracer>> tracers_;
   std::array<Tally, std::size(kWays)> tallies_;
   std::atomic<std::size_t> rays_{0}, rooted_{0}, open_{0};
@@ -264,14 +272,14 @@ struct Named {
   const char* text;
   std::size_t rays;
 };
-class Hostile : public testing::TestWithParam<Named> {};
-INSTANTIATE_TEST_SUITE_P(Scenes, Hostile,
+class HostileScene : public testing::TestWithParam<Named> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, HostileScene,
                          testing::Values(Named{"Solids", kHostile, 12000},
                                          Named{"Walls", kWalls, 8000},
                                          Named{"Floor", kFloor, 4000}),
                          [](const auto& scene) { return scene.param.name; });
 
-TEST_P(Hostile, NoFirstHitIsMissed) {
+TEST_P(HostileScene, NoFirstHitIsMissed) {
   const Stage scene = make_stage(GetParam().text);
   Trial trial(scene);
   // 40 cameras: 39 of 23 x 13 pixels and one of 151 x 71.
@@ -282,7 +290,29 @@ TEST_P(Hostile, NoFirstHitIsMissed) {
   parallel_for(cameras, 1, Job(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) trial.run(static_cast<std::uint32_t>(first + i));
   });
-  trial.report();
+  trial.report(GetParam().name);
+  EXPECT_GT(trial.rooted(), trial.rays() / 10);
+  EXPECT_LT(trial.open(), trial.rays() / 100);
+}
+
+// Each op's example; what is only an estimate may miss.
+TEST(Hostile, NoOpIsMissed) {
+  std::size_t rooted = 0;
+  std::size_t rays = 0;
+  std::size_t open = 0;
+  for (const Example& example : examples()) {
+    if (example.estimate) continue;
+    SCOPED_TRACE(example.text);
+    const Stage scene{example.field, example_box(example.field)};
+    Trial trial(scene);
+    for (std::uint32_t seed = 0; seed < 5; ++seed) trial.run(seed);
+    if (HasFailure()) trial.report(example.text);
+    rays += trial.rays();
+    rooted += trial.rooted();
+    open += trial.open();
+  }
+  EXPECT_GT(rooted, rays / 4);
+  EXPECT_LT(open, rays / 100);
 }
 
 }  // namespace
