@@ -121,8 +121,9 @@ Stage make_stage(const char* text) {
   return scene;
 }
 
-// From anywhere around and within, outside of all solids, to somewhere near a surface, some along
-// an axis; wide and narrow, most of them small, none of them whole blocks of pixels.
+// From anywhere around and within, some inside of a solid, some from far away, to somewhere near a
+// surface, some along an axis; wide and narrow, most of them small, none of them whole blocks of
+// pixels.
 Camera make_camera(const Stage& scene, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -150,6 +151,10 @@ Camera make_camera(const Stage& scene, std::uint32_t seed) {
   }
   camera.up = glm::normalize(within() - 0.5);
   camera.fov = std::pow(10, 2 * unit(random) - 0.3);
+  if (seed % 16 == 9) {  // from far away
+    camera.eye = camera.target + 300.0 * (camera.eye - camera.target);
+    camera.fov /= 300;
+  }
   camera.width = seed % 40 == 7 ? 151 : 23;
   camera.height = seed % 40 == 7 ? 71 : 13;
   return camera;
