@@ -48,11 +48,6 @@ Span clip(const Ray& ray, const Box& box) {
   return s;
 }
 
-double free_way(const LocalBounds::Cell& cell, const glm::dvec3& p, const glm::dvec3& along,
-                double value) {
-  return std::max(value, std::min(value / cell.slope, clip({p, along}, cell.box).to));
-}
-
 void Bundle::reset(std::size_t count) {
   size = count;
   rays.resize((count + RayLanes::kLanes - 1) / RayLanes::kLanes);

@@ -22,11 +22,6 @@ struct Span {
 // The largest coordinate of a box, without its sign.
 [[nodiscard]] double reach(const Box& box);
 
-// How far a value, without its sign, leaves the way free from p in a direction: within the cell
-// around p by the bound that holds there, which may be less than the surface is away.
-[[nodiscard]] double free_way(const LocalBounds::Cell& cell, const glm::dvec3& p,
-                              const glm::dvec3& along, double value);
-
 // A part of a ray, by its place in the bundle.
 struct Stretch {
   std::uint32_t ray;

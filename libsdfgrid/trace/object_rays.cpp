@@ -70,9 +70,9 @@ double ObjectRays::evaluate(Item& item, double t) {
   double ahead = r;
   double surface = r;  // where it is at least as long as the slope stays
   if (rules_.boxes && object.bounds != nullptr) {
-    const LocalBounds::Cell cell = object.bounds->at(p);
-    ahead = free_way(cell, p, ray_.direction, r);
-    surface = r / cell.slope;
+    const LocalBounds::Free free = object.bounds->free(p, ray_.direction, r);
+    ahead = free.ahead;
+    surface = free.surface;
   }
   if (rules_.convex && object.convex && item.last >= 0 && t > item.last) {
     // A convex function lies above the line through two of its values, beyond them.

@@ -8,7 +8,7 @@ endforeach()
 
 # Analytic fields: every op of the list against brute force and the other readings.
 sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/blends_test.cpp
-sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/brute_force.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/brute_force.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/exact_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/examples.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/field_test.cpp
@@ -22,8 +22,8 @@ sdfgrid_test(field_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/brute_force.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/noise_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/ops_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/pairs.cpp
-                                ${CMAKE_CURRENT_LIST_DIR}/roots_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/repeat_test.cpp
+                                ${CMAKE_CURRENT_LIST_DIR}/roots_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/sampler_uses_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/slope_test.cpp
                                 ${CMAKE_CURRENT_LIST_DIR}/solids.cpp

@@ -24,6 +24,7 @@ sdfgrid_test(hostile_test LABEL heavy
              SOURCES ${CMAKE_CURRENT_LIST_DIR}/hostile_test.cpp
                      ${CMAKE_CURRENT_LIST_DIR}/first_root.cpp
                      ${CMAKE_CURRENT_LIST_DIR}/../field/examples.cpp
+                     ${CMAKE_CURRENT_LIST_DIR}/../field/file_leaves.cpp
              PACKAGES fmt::fmt)
 foreach(isa baseline avx2)
   add_test(NAME Hostile.${isa} COMMAND hostile_test)

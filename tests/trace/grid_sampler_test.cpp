@@ -166,9 +166,9 @@ TEST(GridSampler, RaysGoFarInFewStepsAndHitWhatIsThere) {
     rays.push_back({{u, 0.7, -10}, glm::normalize(glm::dvec3(0.3, 0, 1))});
   }
   std::vector<float> depth(rays.size());
-  std::vector<std::uint16_t> steps(rays.size());
+  std::vector<std::uint32_t> steps(rays.size());
   tracer.trace(rays, kTolerance, depth, steps);
-  EXPECT_LT(std::accumulate(steps.begin(), steps.end(), 0), 8 * std::ssize(rays));
+  EXPECT_LT(std::accumulate(steps.begin(), steps.end(), 0U), 8 * rays.size());
 }
 
 }  // namespace
