@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sdfgrid/field/build.h"
+#include "sdfgrid/field/folds.h"
 #include "sdfgrid/field/interpret.h"
 #include "sdfgrid/field/union_tree.h"
 
@@ -62,6 +63,14 @@ bool is_scaled(const Program& program) {
   });
 }
 
+// Whether it ends one of the copies that a repetition is the union of where they are close to each
+// other. By itself such a copy is no bound: the nearest cells' surfaces are in the others.
+bool is_copy(const Program& program, const Instruction& at) {
+  static const int repeat = op_number("repeat");
+  return at.step == Step::leave && at.op == repeat &&
+         ops::load_op<ops::Repeat>(constants_of(program, at)).near > 0;
+}
+
 class Splitter {
  public:
   explicit Splitter(const Program& program)
@@ -77,7 +86,7 @@ class Splitter {
   // The subtree that ends at `last`; `box` holds its solid, in its own space, if that is known.
   void split(std::int32_t last, const Box* box) {
     const Instruction& at = program_.code[last];
-    if (at.step == Step::combine && at.op == kUnionOp) {
+    if (is_union(last)) {
       const std::int32_t ends[2] = {starts_[last - 1] - 1, last - 1};
       for (int i = 0; i < 2; ++i) {
         const Box operand = has_boxes(at) ? operand_box(program_, at, i) : Box{};
@@ -94,7 +103,21 @@ class Splitter {
 
   [[nodiscard]] bool holds_union(std::int32_t last) const {
     while (program_.code[last].step == Step::leave && is_linear(program_.code[last])) --last;
+    return is_union(last);
+  }
+
+  // A union of nodes that may stand alone.
+  [[nodiscard]] bool is_union(std::int32_t last) const {
+    constexpr int kMostJoins = 3;  // one above the other, of the copies of a repetition
+    return joins(last) && !holds_copies(last, kMostJoins);
+  }
+  [[nodiscard]] bool joins(std::int32_t last) const {
     return program_.code[last].step == Step::combine && program_.code[last].op == kUnionOp;
+  }
+  [[nodiscard]] bool holds_copies(std::int32_t last, int most_joins) const {
+    if (!joins(last)) return is_copy(program_, program_.code[last]);
+    return most_joins > 0 && holds_copies(last - 1, most_joins - 1) &&
+           holds_copies(starts_[last - 1] - 1, most_joins - 1);
   }
 
   void add(std::int32_t first, std::int32_t last, const Box* known) {
