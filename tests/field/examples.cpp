@@ -204,6 +204,9 @@ const char* const kForms[] = {
     "metaballs: {points: [[-0.5, 0, 0], [0.5, 0.1, 0]], falloff: quadratic}",
     "metaballs: {count: 9, seed: 4, radii: 0.7, size: 1}",
     "blend: {radii: 0.5, power: 1, of: [{box: {size: [2, 2, 0.4]}}, {sphere: {radius: 0.6}}]}",
+    "pnorm_union: {p: 2, of: [{box: {size: [2, 2, 0.4]}}, {sphere: {radius: 0.6}}]}",
+    "pnorm_intersection: {p: 3, of: [{box: {size: [1.7, 1.7, 1.7]}}, {sphere: {radius: 1}}]}",
+    "pnorm_difference: {p: 3, of: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: 0.9}}]}",
     R"(texture_displace: {width: 3, samples: [0, 1, 0.2, 0.7, 0, 1], size: [1, 0.7], around: 0.8,
        amplitude: -0.2, of: {cylinder: {radius: 0.8, height: 1.5}}})",
 };

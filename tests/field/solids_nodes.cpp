@@ -14,17 +14,27 @@ namespace {
 
 using Value = std::function<double(const Vec&)>;
 
+// The p-norm minimum as Krayer has it, of positive distances only.
+double pnorm_least(double a, double b, double p) {
+  if (std::fmin(a, b) <= 0) return std::fmin(a, b);
+  return std::pow(std::pow(a, -p) + std::pow(b, -p), -1 / p);
+}
+
 // The distance of a node as it gives it, in double: what blends, offsets and displacements are
 // defined by.
 Value value_of(const ExampleNode& node) {
-  if (node.word == "pnorm_union") {
-    const Value a = value_of(node.of.at(0));
-    const Value b = value_of(node.of.at(1));
-    return [a, b, p = Given(node)("p")](const Vec& at) {
-      const double u = a(at);
-      const double v = b(at);
-      if (std::fmin(u, v) <= 0) return std::fmin(u, v);
-      return std::pow(std::pow(u, -p) + std::pow(v, -p), -1 / p);
+  // The signs of the nodes, and of what becomes of them, by De Morgan's laws.
+  struct Signs {
+    double first, second, all;
+  };
+  static const std::map<std::string, Signs> pnorms = {{"pnorm_union", {1, 1, 1}},
+                                                      {"pnorm_intersection", {-1, -1, -1}},
+                                                      {"pnorm_difference", {-1, 1, -1}}};
+  const auto pnorm = pnorms.find(node.word);
+  if (pnorm != pnorms.end()) {
+    return [a = value_of(node.of.at(0)), b = value_of(node.of.at(1)), p = Given(node)("p"),
+            s = pnorm->second](const Vec& at) {
+      return s.all * pnorm_least(s.first * a(at), s.second * b(at), p);
     };
   }
   return [field = make_field(node)](const Vec& p) { return field.gradient(p).value; };
@@ -96,6 +106,17 @@ Inside smooth_difference(const Nodes& n) {
 Inside exponential_union(const Nodes& n) {
   return [a = n.value(0), b = n.value(1), k = n.given("k")](const Vec& p) {
     return std::exp(-a(p) / k) + std::exp(-b(p) / k) > 1;
+  };
+}
+// By De Morgan's laws, with distances to complements.
+Inside exponential_intersection(const Nodes& n) {
+  return [a = n.value(0), b = n.value(1), k = n.given("k")](const Vec& p) {
+    return std::exp(a(p) / k) + std::exp(b(p) / k) < 1;
+  };
+}
+Inside exponential_difference(const Nodes& n) {
+  return [a = n.value(0), b = n.value(1), k = n.given("k")](const Vec& p) {
+    return std::exp(a(p) / k) + std::exp(-b(p) / k) < 1;
   };
 }
 Inside blend(const Nodes& n) {
@@ -259,7 +280,11 @@ const std::map<std::string, Inside (*)(const Nodes&)>& makers() {
       {"smooth_intersection", smooth_intersection},
       {"smooth_difference", smooth_difference},
       {"exponential_union", exponential_union},
+      {"exponential_intersection", exponential_intersection},
+      {"exponential_difference", exponential_difference},
       {"pnorm_union", join},
+      {"pnorm_intersection", intersection},
+      {"pnorm_difference", difference},
       {"blend", blend},
       {"morph", morph},
       {"spatial_morph", spatial_morph},
