@@ -41,17 +41,22 @@ std::vector<SamplerUse> uses_in_reach(const Field& field, const SceneReach& reac
   }
   return uses;
 }
-// The part of the reach that was asked for, `use`, which the file's band fills.
-double share(const SamplerUse& use, std::vector<SamplerUse> own) {
-  const SamplerUse& least = use_of(use.sampler, own);
-  double part = 1;
-  if (use.hi > least.hi) {
-    part = std::min(part, (use.sampler->reach_outside() - least.hi) / (use.hi - least.hi));
+
+// The part of the reach that was asked for within which the file's distances do not end. Searched
+// for: neither values (Sampler::value_at) nor what ops look at need be in proportion to it. `own`
+// are the uses of the field itself, which the file is wide enough for.
+double share(const Field& field, const SceneReach& reach, const std::vector<SamplerUse>& own,
+             const Sampler* sampler) {
+  constexpr int kHalvings = 20;
+  double enough = 0;
+  double too_far = 1;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double part = 0.5 * (enough + too_far);
+    std::vector<SamplerUse> uses =
+        uses_in_reach(field, {part * reach.inside, part * reach.outside}, own);
+    (times(use_of(sampler, uses)) > 1 ? too_far : enough) = part;
   }
-  if (use.lo < least.lo) {
-    part = std::min(part, (use.sampler->reach_inside() + least.lo) / (least.lo - use.lo));
-  }
-  return part;
+  return enough;
 }
 
 // The width that a file's band has to have for a use.
@@ -114,7 +119,8 @@ bool SampledFiles::widen(const SceneReach& reach) {
     SampledFile& file = of(use);
     if (times(use) <= 1) continue;
     if (file.dim == 0) {
-      model_.short_bands.push_back({file.path, file.line, share(use, own), wider(file, use)});
+      const double part = share(model_.field, reach, own, use.sampler);
+      model_.short_bands.push_back({file.path, file.line, part, wider(file, use)});
       continue;
     }
     file.width = wider(file, use);

@@ -23,10 +23,11 @@ namespace {
 // A cube from a file, with what is made of it.
 class SceneOfCube : public testing::Test {
  protected:
-  Field field(const std::string& scene) {
+  SceneModel reaching(const std::string& scene, const SceneReach& reach) {
     const std::string path = folder_.write("s.yaml", "sdfgrid: 1\nscene: " + scene + "\n");
-    return build_scene(read_scene(path).scene, path, 0, Job()).field;
+    return build_scene(read_scene(path).scene, path, 0, Job(), reach);
   }
+  Field field(const std::string& scene) { return reaching(scene, {}).field; }
   std::string refusal(const std::string& scene) {
     try {
       (void)field(scene);
@@ -216,35 +217,66 @@ TEST_F(SceneOfCube, GridsWithTooNarrowABandAreRefused) {
   }
 }
 
-// Who looks at values beyond the surface gets meshes that have them, and is told of grids that have
-// not: how far they reach, and what width would do.
-TEST_F(SceneOfCube, FilesReachAsFarAsIsAskedOrSayThatTheyDoNot) {
-  const auto build = [&](const std::string& scene, const SceneReach& reach) {
-    const std::string path = folder_.write("s.yaml", "sdfgrid: 1\nscene: " + scene + "\n");
-    return build_scene(read_scene(path).scene, path, 0, Job(), reach);
-  };
-  const glm::vec3 middle(0.5F);
-  EXPECT_GT(build(mesh_, {}).field(middle), -0.1);
-  const SceneModel wide = build(mesh_, {0.4, 0.2});
-  EXPECT_LT(wide.field(middle), -0.4 / 1.75);  // pressed together, by up to 1.7
-  EXPECT_TRUE(wide.short_bands.empty());
+// By how much the level `by` of a cube's field misses points that far from its faces, at 0 and at
+// `edge`: nothing within a band, where values say where the surface is, and something beyond it,
+// where they are but bounds.
+double missed_by(const Field& field, double by, float edge) {
+  const Field level = make_field("offset", {{"by", by}}, {field});
+  const auto near = static_cast<float>(-by);
+  const auto far = static_cast<float>(edge + by);
+  float most = 0;
+  for (const float u : {0.45F * edge, 0.5F * edge}) {
+    for (const glm::vec3 p : {glm::vec3(near, u, u), glm::vec3(u, far, 0.5F * edge)}) {
+      most = std::fmax(most, std::fabs(level(p)));
+    }
+  }
+  return double(most);
+}
+constexpr double kThere = 1e-5;
 
+// Who looks at values beyond the surface gets meshes that have them.
+TEST_F(SceneOfCube, MeshesReachAsFarAsIsAsked) {
+  const Field narrow = reaching(mesh_, {}).field;
+  EXPECT_LT(missed_by(narrow, -0.06, 1), kThere);  // 3 voxels, 0.0625
+  const SceneModel wide = reaching(mesh_, {0.4, 0.2});
+  EXPECT_TRUE(wide.short_bands.empty());
+  for (const double by : {-0.4, -0.1, 0.1, 0.2}) {
+    EXPECT_LT(missed_by(wide.field, by, 1), kThere) << by;
+    EXPECT_GT(missed_by(narrow, by, 1), 0.01) << by;
+  }
+}
+
+// And is told of grids that have not: how far they reach, and what width would do.
+TEST_F(SceneOfCube, GridsSayHowFarTheyReach) {
   write_cube(3);
   const std::string grid = "{grid: {file: cube.vdb}, scale: 2}";
-  const SceneReach reach{0.5, 0.3};
-  const std::vector<ShortBand> bands = build(grid, reach).short_bands;
-  ASSERT_EQ(bands.size(), 1U);
-  EXPECT_EQ(bands[0].line, 2);
-  EXPECT_TRUE(bands[0].file.ends_with("cube.vdb"));
-  EXPECT_GT(bands[0].share, 0.05);
-  EXPECT_LT(bands[0].share, 0.3);
-  const auto short_at = [&](double share) {
-    return build(grid, {share * reach.inside, share * reach.outside}).short_bands.size();
-  };
-  EXPECT_EQ(short_at(0.99 * bands[0].share), 0U);
-  EXPECT_EQ(short_at(1.01 * bands[0].share), 1U);
-  write_cube(bands[0].width);
-  EXPECT_TRUE(build(grid, reach).short_bands.empty());
+  constexpr double kBand = 2 * 3 / 48.0;
+  const SceneReach reaches[] = {{0.5, 0.3}, {0.15, 0.3}, {0, 0.3}, {0.5, 0}};
+  const double shares[] = {kBand / 0.5, kBand / 0.3, kBand / 0.3, kBand / 0.5};
+  for (int i = 0; i < 4; ++i) {
+    SCOPED_TRACE(i);
+    const SceneModel model = reaching(grid, reaches[i]);
+    ASSERT_EQ(model.short_bands.size(), 1U);
+    const ShortBand& band = model.short_bands[0];
+    EXPECT_EQ(band.line, 2);
+    EXPECT_TRUE(band.file.ends_with("cube.vdb"));
+    EXPECT_NEAR(band.share, shares[i], 0.001);
+    for (const double level : {-reaches[i].inside, reaches[i].outside}) {
+      if (std::fabs(level) < kBand) continue;
+      EXPECT_LT(missed_by(model.field, std::copysign(0.99 * kBand, level), 2), kThere) << level;
+      EXPECT_GT(missed_by(model.field, level, 2), 0.01) << level;
+    }
+    const auto short_at = [&](double share) {
+      const SceneReach part{share * reaches[i].inside, share * reaches[i].outside};
+      return reaching(grid, part).short_bands.size();
+    };
+    EXPECT_EQ(short_at(0.99 * band.share), 0U);
+    EXPECT_EQ(short_at(1.01 * band.share), 1U);
+  }
+  write_cube(reaching(grid, reaches[0]).short_bands[0].width);
+  const SceneModel wide = reaching(grid, reaches[0]);
+  EXPECT_TRUE(wide.short_bands.empty());
+  for (const double by : {-0.5, 0.3}) EXPECT_LT(missed_by(wide.field, by, 2), kThere) << by;
 }
 
 TEST_F(SceneOfCube, FilesUnderTheWrongWordAreToldTheRightOne) {
