@@ -328,7 +328,9 @@ struct SpatialMorph {
   }
   Keep keep(const Interval&, const Interval&) const { return Keep::both; }
   Levels looks_at(const Levels& own, double apart) const { return own.wider(apart); }
-  bool surface_of_first(double a, double b) const { return a <= b; }
+  bool surface_of_first(double, double, const Point<double>& p) const {
+    return dot(axis, minus(p, from)) < 0.5;
+  }
   Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
 };
 
@@ -366,7 +368,10 @@ struct Partition {
     return std::fmax(1.0, std::fmax(slope_a, slope_b));
   }
   Keep keep(const Interval&, const Interval&) const { return Keep::both; }
-  bool surface_of_first(double a, double b) const { return a <= b; }
+  bool surface_of_first(double a, double b, const Point<double>& p) const {
+    const double h = dot(normal, p) - offset;
+    return max(a, h) <= max(b, -h);
+  }
   Box bounds(const Box& a, const Box& b) const { return both_boxes(a, b); }
 };
 

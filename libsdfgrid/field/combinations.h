@@ -1,9 +1,9 @@
 // field/combinations.h: ops that make one solid of several (internal to field/). keep() says which
 // operand is the whole result over a box, so that pruning may drop the other; surface_of_first()
-// whose surface a point belongs to; bounds() where the result is below a level, from where the
-// operands are below child_level(level). What joins many nodes says reach(): an operand that is
-// larger than the other by so much changes nothing. What takes nodes away from the first says
-// kRest: the word of the op that joins those.
+// whose surface a point belongs to, of which it may ask; bounds() where the result is below a
+// level, from where the operands are below child_level(level). What joins many nodes says reach():
+// an operand that is larger than the other by so much changes nothing. What takes nodes away from
+// the first says kRest: the word of the op that joins those.
 #pragma once
 
 #include "sdfgrid/core/lattice.h"

@@ -34,13 +34,19 @@ struct Marked {
 
 struct MarkedOps {
   std::vector<OpFunctions<double>> functions = make_functions<double>();
-  std::vector<bool (*)(const float*, double, double)> first;  // combinations: whose surface
+  // Combinations: whose surface.
+  std::vector<bool (*)(const float*, double, double, const Point<double>&)> first;
 
   MarkedOps() : first(functions.size()) {
     each_op([&]<class Op>(int number) {
       if constexpr (Combination<Op>) {
-        first[number] = [](const float* c, double a, double b) {
-          return load_op<Op>(c).surface_of_first(a, b);
+        first[number] = [](const float* c, double a, double b, const Point<double>& p) {
+          const Op op = load_op<Op>(c);
+          if constexpr (requires { op.surface_of_first(a, b, p); }) {
+            return op.surface_of_first(a, b, p);
+          } else {
+            return op.surface_of_first(a, b);
+          }
         };
       }
     });
@@ -84,7 +90,8 @@ void marked_step(const Program& program, const Instruction& at, std::vector<Mark
       Marked& a = values.back();
       // Of a shared surface the first node's is seen, in whatever order a large union joins them.
       const bool tied = has_boxes(at) && a.value == b.value;
-      const bool first = tied ? a.place <= b.place : marked_ops().first[at.op](c, a.value, b.value);
+      const bool first =
+          tied ? a.place <= b.place : marked_ops().first[at.op](c, a.value, b.value, points.back());
       const double value = f.combine(c, a.value, b.value, points.back());
       if (!first) a = b;
       a.value = value;

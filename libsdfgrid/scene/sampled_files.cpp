@@ -109,7 +109,7 @@ const SampledFile& SampledFiles::get(const std::string& path, const std::string&
 
 bool SampledFiles::widen(const SceneReach& reach) {
   if (files_.empty()) return false;
-  const std::vector<SamplerUse> own = model_.field.sampler_uses();
+  std::vector<SamplerUse> own = model_.field.sampler_uses();
   for (const SamplerUse& use : own) {
     if (times(use) > 1 && of(use).dim == 0) refuse(of(use), use);
   }
@@ -118,12 +118,15 @@ bool SampledFiles::widen(const SceneReach& reach) {
   for (const SamplerUse& use : uses_in_reach(model_.field, reach, own)) {
     SampledFile& file = of(use);
     if (times(use) <= 1) continue;
-    if (file.dim == 0) {
+    // Of a mesh much smaller than what is looked at from afar: such a band would take minutes.
+    constexpr double kWidest = 40;
+    const bool must = times(use_of(use.sampler, own)) > 1;
+    if (file.dim == 0 || (!must && file.width >= kWidest)) {
       const double part = share(model_.field, reach, own, use.sampler);
       model_.short_bands.push_back({file.path, file.line, part, wider(file, use)});
       continue;
     }
-    file.width = wider(file, use);
+    file.width = must ? wider(file, use) : std::min(wider(file, use), kWidest);
     file.sampler.reset();
     any = true;
   }

@@ -195,5 +195,25 @@ TEST(CsgSurfaces, BringTheirMaterialAndNormal) {
   EXPECT_LT(surface.edges, surface.checked / 20);
 }
 
+TEST(CsgSurfaces, OfPartitionsAndMorphsAreThoseOfTheNodeThatIsThere) {
+  const Field large = make_field("sphere", {{"radius", 1}}).tagged(0);
+  const Field small = make_field("sphere", {{"radius", 0.7}}).tagged(1);
+  const Field cut = make_field("partition", {{"normal", {1, 0, 0}}}, {large, small});
+  std::mt19937 random(5);
+  std::normal_distribution<double> any;
+  for (int i = 0; i < 1000; ++i) {
+    const glm::dvec3 d = glm::normalize(glm::dvec3(any(random), any(random), any(random)));
+    if (std::fabs(d.x) < 1e-3) continue;
+    EXPECT_EQ(cut.tag_at(d * (d.x < 0 ? 1.0 : 0.7)), d.x < 0 ? 0 : 1);
+    // The large ball's face beside the small one.
+    const glm::dvec3 face = 0.85 * glm::normalize(glm::dvec3(0, d.y, d.z));
+    EXPECT_EQ(cut.tag_at(face + glm::dvec3(1e-7, 0, 0)), 0);
+  }
+  const Field changing =
+      make_field("spatial_morph", {{"from", {-1, 0, 0}}, {"to", {1, 0, 0}}}, {large, small});
+  EXPECT_EQ(changing.tag_at({-0.9, 0.1, 0}), 0);
+  EXPECT_EQ(changing.tag_at({0.7, 0.1, 0}), 1);
+}
+
 }  // namespace
 }  // namespace sdfgrid
