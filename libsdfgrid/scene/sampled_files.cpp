@@ -120,13 +120,15 @@ bool SampledFiles::widen(const SceneReach& reach) {
     if (times(use) <= 1) continue;
     // Of a mesh much smaller than what is looked at from afar: such a band would take minutes.
     constexpr double kWidest = 40;
-    const bool must = times(use_of(use.sampler, own)) > 1;
+    const SamplerUse& least = use_of(use.sampler, own);
+    const bool must = times(least) > 1;
     if (file.dim == 0 || (!must && file.width >= kWidest)) {
       const double part = share(model_.field, reach, own, use.sampler);
       model_.short_bands.push_back({file.path, file.line, part, wider(file, use)});
       continue;
     }
-    file.width = must ? wider(file, use) : std::min(wider(file, use), kWidest);
+    const double needed = must ? wider(file, least) : 0;
+    file.width = std::max(needed, std::min(wider(file, use), kWidest));
     file.sampler.reset();
     any = true;
   }
