@@ -102,8 +102,11 @@ class GridSampler : public Sampler {
       return phi_(brick >= 0 ? in_brick(brick, at) : sdfgrid::value_at(atlas_, place));
     }
     const double far = band_(i, at);
-    if (brick < 0) return brick == Atlas::kInside ? inside_ - far : outside_ + far;
-    const double flat = phi_(in_brick(brick, at));
+    // The last cells of a slot without a brick have samples of the slots after it, which may be
+    // beyond the background, too.
+    const bool last_cells = std::max({at.x, at.y, at.z}) > kBrick - 1;
+    if (brick < 0 && !last_cells) return brick == Atlas::kInside ? inside_ - far : outside_ + far;
+    const double flat = phi_(brick >= 0 ? in_brick(brick, at) : sdfgrid::value_at(atlas_, place));
     return flat < 0 ? std::min(flat, inside_ - far) : std::max(flat, outside_ + far);
   }
 

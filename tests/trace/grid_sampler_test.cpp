@@ -11,7 +11,9 @@
 #include "sdfgrid/core/parallel.h"
 #include "sdfgrid/grid/convert_field.h"
 #include "sdfgrid/grid/vdb.h"
+#include "sdfgrid/trace/field_march.h"
 #include "sdfgrid/trace/field_trace.h"
+#include "sdfgrid/trace/step_kernel.h"
 #include "sdfgrid/trace/trace.h"
 #include "trace/rough_grids.h"
 
@@ -39,15 +41,48 @@ class Points {
   std::uniform_real_distribution<double> unit_;
 };
 
+// Active values far beyond the background, outside and inside, in the first layer of a brick that
+// has band and that a slot without a brick lies before.
+Grid beyond_the_background() {
+  constexpr float kVoxel = 0.5F;
+  const auto grid = openvdb::FloatGrid::create(3 * kVoxel);
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(kVoxel));
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  for (int i = 0; i < 27; ++i) {
+    grid->tree().addTile(1, {i / 9 * 8, i / 3 % 3 * 8, i % 3 * 8}, -3 * kVoxel, false);
+  }
+  auto values = grid->getAccessor();
+  for (int i = 0; i < 512; ++i) {
+    const openvdb::Coord at(i / 64, i / 8 % 8, i % 8);
+    const double ball = glm::length(glm::dvec3(at[0], at[1], at[2]) - 4.0) - 0.9;
+    const float voxels = at[0] == 0 ? 10 : float(std::min(ball, 3.0));
+    values.setValue(at + openvdb::Coord(8, 8, -16), kVoxel * voxels);
+    values.setValue(at + openvdb::Coord(8, 8, 8), -kVoxel * voxels);
+  }
+  return from_vdb(grid);
+}
+
 TEST(GridSampler, NoGridIsSteeperThanOne) {
-  for (const auto& [name, grid] : test::rough_grids()) {
+  std::vector<test::NamedGrid> grids = test::rough_grids();
+  grids.push_back({"beyond the background", beyond_the_background()});
+  for (const auto& [name, grid] : grids) {
     const auto sampler = make_sampler(grid, Job());
-    const double voxel = grid.lattice().voxel;
+    const Lattice lattice = grid.lattice();
+    const double voxel = lattice.voxel;
     Points point(grid, 3);
-    for (int i = 0; i < 60000; ++i) {
-      const glm::dvec3 p = point();
+    Points within(grid, 1.2);
+    for (int i = 0; i < 90000; ++i) {
+      glm::dvec3 p = point();
       const double steps[] = {1000 * voxel, 8 * voxel, 0.3 * voxel, 0.01 * voxel};
-      const glm::dvec3 q = i % 5 == 4 ? point() : point.near(p, steps[i % 5]);
+      glm::dvec3 q = i % 5 == 4 ? point() : point.near(p, steps[i % 5]);
+      if (i % 3 == 2) {  // across a face between two bricks
+        glm::dvec3 index = lattice.to_index(within());
+        double& across = index[i / 3 % 3];
+        across = 8 * std::round(across / 8) - 0.01;
+        p = lattice.to_world(index);
+        across += 0.02;
+        q = lattice.to_world(index);
+      }
       ASSERT_LE(std::fabs(sampler->value(p) - sampler->value(q)),
                 glm::length(p - q) * (1 + 1e-9) + 1e-9 * voxel)
           << name << " " << p.x << " " << p.y << " " << p.z << " to " << q.x << " " << q.y << " "
@@ -135,7 +170,8 @@ TEST(GridSampler, RaysGoFarInFewStepsAndHitWhatIsThere) {
   constexpr double kTolerance = 1e-5;
   for (const auto& [name, grid] : test::rough_grids()) {
     const Atlas atlas = make_atlas(grid, Job());
-    const Field field = make_field(make_sampler(grid, Job()));
+    const auto sampler = make_sampler(grid, Job());
+    const Field field = make_field(sampler);
     const FieldTracer tracer(field, field.bounds());
     Points point(grid, 1);
     Points outside(grid, 8);
@@ -149,6 +185,13 @@ TEST(GridSampler, RaysGoFarInFewStepsAndHitWhatIsThere) {
     tracer.trace(rays, kTolerance, depth, {});
     int hits = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
+      // No more is hit, and none of it sooner, than where the surface is as near as the tolerance.
+      if (std::isfinite(depth[i])) {
+        const glm::dvec3 there = rays[i].origin + double(depth[i]) * rays[i].direction;
+        ASSERT_LE(sampler->value(there),
+                  3 * (kTolerance * depth[i] + kFieldSlack * reach({there, there})))
+            << name << " " << i;
+      }
       const auto hit = trace_ray(atlas, rays[i]);
       if (!hit) continue;
       ++hits;
