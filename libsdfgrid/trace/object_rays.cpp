@@ -8,6 +8,7 @@ namespace sdfgrid {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::uint32_t kMostEvaluations = 1U << 22;  // no ray needs so many
 
 }  // namespace
 
@@ -83,8 +84,9 @@ double ObjectRays::evaluate(Item& item, double t) {
   }
   item.last = t;
   item.value = r;
-  ahead = std::max(ahead, 0.5 * error);
-  return surface <= tolerance_ * t + error ? -ahead : ahead;
+  ahead = ahead > 0.5 * error ? ahead : 0.5 * error;  // of what is no number, too
+  const bool hit = surface <= tolerance_ * t + error || evaluations_ >= kMostEvaluations;
+  return hit ? -ahead : ahead;
 }
 
 double ObjectRays::each_by_itself() {

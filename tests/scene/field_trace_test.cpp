@@ -386,5 +386,43 @@ TEST(FieldTrace, RefusesARegionWithoutEnd) {
   EXPECT_THROW(FieldTracer(field_of("{plane: {}}"), field_of("{plane: {}}").bounds()), Error);
 }
 
+// Which are no number in a small cube.
+class NoNumbers : public Sampler {
+ public:
+  void evaluate(int n, const float* x, const float* y, const float* z, float* out) const override {
+    for (int i = 0; i < n; ++i) out[i] = static_cast<float>(value({x[i], y[i], z[i]}));
+  }
+  [[nodiscard]] Box hull() const override { return {{0.99, -0.01, -0.01}, {1.01, 0.01, 0.01}}; }
+  [[nodiscard]] double value(const glm::dvec3& p) const override {
+    const double away = glm::distance(p, glm::clamp(p, hull().lo, hull().hi));
+    return away > 0 ? away : std::numeric_limits<double>::quiet_NaN();
+  }
+  [[nodiscard]] double step() const override { return 1e-4; }
+};
+
+// One ray goes by itself, through values that are no numbers as through others, and on.
+TEST(FieldTrace, RaysEndWhereValuesAreNoNumbers) {
+  const Box region{glm::dvec3(-2), glm::dvec3(5)};
+  const Ray ray{{1, 0, -1}, {0, 0, 1}};
+  for (const bool behind : {true, false}) {
+    const Field ball =
+        make_field("translate", {{"by", {1, behind ? 0.0 : 3.0, 3}}}, {make_field("sphere")});
+    const Field field = make_field("union", {}, {make_field(std::make_shared<NoNumbers>()), ball});
+    for (const bool objects : {true, false}) {
+      FieldTraceOptions options;
+      options.objects = objects;
+      options.bundles = false;
+      const FieldTracer tracer(field, region, options);
+      float depth = 0;
+      tracer.trace({&ray, 1}, 1e-5, {&depth, 1}, {});
+      if (behind) {
+        EXPECT_NEAR(depth, 3, 1e-3);
+      } else {
+        EXPECT_EQ(depth, kNothing);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sdfgrid
