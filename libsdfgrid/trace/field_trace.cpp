@@ -114,7 +114,7 @@ void FieldTracer::trace(std::span<const Ray> rays, double tolerance, std::span<f
     const std::size_t n = std::min(kBundle, rays.size() - i);
     const float sign = sign_at(rays[i].origin);
     const std::span<std::uint32_t> counts = steps.empty() ? steps : steps.subspan(i, n);
-    if (go_alone(n, sign)) {
+    if (go_alone(rays.size(), sign)) {
       trace_alone(rays.subspan(i, n), tolerance, depth.subspan(i, n), counts);
     } else {
       trace_bundle(rays.subspan(i, n), tolerance, sign, depth.subspan(i, n), counts);

@@ -41,8 +41,9 @@ struct FieldTraceOptions {
                       // everywhere in the region
   bool convex = true;   // steps of objects that are convex follow the secant
   bool beams = true;    // rays beside each other go together as long as they are far from anything
-  bool bundles = true;  // off: one ray after the other (object_rays.h), neither relaxed nor pruned;
-                        // so go up to three rays of a union in any case, faster than in a bundle
+  bool bundles = true;  // off: one ray after the other (object_rays.h), neither relaxed nor pruned,
+                        // but for rays that begin inside; so go up to three rays of a union in any
+                        // case, faster than in a bundle
 };
 // Steps as long as the value of the whole field, no more: what all else is held against.
 inline constexpr FieldTraceOptions kPlainSphereTracing = {.relax = false,

@@ -424,5 +424,28 @@ TEST(FieldTrace, RaysEndWhereValuesAreNoNumbers) {
   }
 }
 
+// Rays go in bundles, the last of which may have few; that does not make it one that goes alone.
+TEST(FieldTrace, DepthsAreThoseOfOtherBundles) {
+  const Field field = field_of(kHostile);
+  FieldTraceOptions options;  // without what rays of a bundle have in common
+  options.prune = false;
+  options.beams = false;
+  const FieldTracer tracer(field, region_of(field), options);
+  constexpr std::size_t kLast = 5;
+  std::mt19937 random(8);
+  int hits = 0;
+  for (int repetition = 0; repetition < 8; ++repetition) {
+    std::vector<Ray> rays = bundles(region_of(field), 17, random);
+    rays.resize(1025);
+    std::vector<float> depth(rays.size());
+    std::vector<float> other(kLast);
+    tracer.trace(rays, 1e-4, depth, {});
+    tracer.trace(std::span(rays).last(kLast), 1e-4, other, {});
+    EXPECT_EQ(depth.back(), other.back());
+    hits += std::isfinite(depth.back()) ? 1 : 0;
+  }
+  EXPECT_GT(hits, 2);
+}
+
 }  // namespace
 }  // namespace sdfgrid
