@@ -104,7 +104,7 @@ double LocalBounds::way(Place at, const glm::dvec3& p, const glm::dvec3& along,
     }
     end = std::max(end, way) + over_;
     if (value <= at.slope * (end - way)) return way + value / at.slope;
-    value -= at.slope * (end - way) + over_;
+    value = std::max(value - at.slope * (end - way) - over_, 0.0);
     way = end;
     const glm::dvec3 next = p + way * along;
     for (int a = 0; a < 3; ++a) {
