@@ -296,9 +296,12 @@ Box Bezier::bounds(Data, double level) const {
     box.lo[a] = std::fmin(box.lo[a], turn);
     box.hi[a] = std::fmax(box.hi[a], turn);
   }
-  // A hair more, for what single precision makes of the curve.
-  const glm::dvec3 size = box.size();
-  const double hair = 1e-6 * (size.x + size.y + size.z);
+  // A hair more, for what single precision makes of the curve, and of where it lies.
+  double hair = 0;
+  for (int a = 0; a < 3; ++a) {
+    const double far = std::fmax(std::fabs(box.lo[a]), std::fabs(box.hi[a]));
+    hair += 1e-6 * (box.hi[a] - box.lo[a] + far);
+  }
   const glm::dvec3 grow(std::fmax(radius + level, 0.0) + hair);
   return {box.lo - grow, box.hi + grow};
 }

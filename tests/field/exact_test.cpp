@@ -12,6 +12,25 @@ using sdfgrid::Field;
 
 double sq(double v) { return v * v; }
 
+// The box of a curve far from the origin holds what floats make of the tube around it.
+TEST(ExactOps, BoundsOfCurvesFarAway) {
+  constexpr double kAway = 10000;
+  std::mt19937 random(29);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int curve = 0; curve < 40; ++curve) {
+    std::vector<double> points;
+    for (int i = 0; i < 9; ++i) points.push_back(kAway + unit(random));
+    const Field f = sdfgrid::make_field("bezier", {{"points", points}, {"radius", 0.05}});
+    const sdfgrid::Box box = f.bounds();
+    for (int i = 0; i < 20000; ++i) {
+      // On one of the faces, or as near as floats are.
+      Vec p = box.lo + Vec(unit(random), unit(random), unit(random)) * box.size();
+      p[i % 3] = i % 2 == 0 ? box.lo[i % 3] : box.hi[i % 3];
+      ASSERT_GE(f(glm::vec3(p)), 0) << curve << ": " << p.x << " " << p.y << " " << p.z;
+    }
+  }
+}
+
 // At random points and at those of a lattice, where the nearest place of symmetric and of straight
 // curves is half way or a quarter along.
 TEST(ExactOps, CubicCurves) {
