@@ -101,7 +101,7 @@ struct Bend {
     const Interval along =
         meet(n[0] * cos(p.x * rate) - n[1] * sin(p.x * rate), Interval(-whole, whole));
     const double square_norm = whole * whole + (rise * (along * 2.0F + rise)).hi;
-    return std::sqrt(std::fmax(square_norm, 0));
+    return std::isnan(square_norm) ? kInfinity : std::sqrt(std::fmax(square_norm, 0));
   }
   Box bounds(const Box& a) const { return turned_about_z(a); }
 };
