@@ -55,7 +55,11 @@ RegisteredOp registered() {
   r.two = requires { Op::kTwo; };
   r.convex = requires { Op::kConvex; };
   r.convex_solid = requires { Op::kConvexSolid; };
-  if constexpr (requires { Op::kRest; }) r.rest = Op::kRest;
+  if constexpr (requires { Op::kRest; }) {
+    static_assert(
+        requires { Op::kTurnsLast; }, "what takes nodes away turns their sign");
+    r.rest = Op::kRest;
+  }
   if constexpr (requires { &Op::make_around; }) r.make_around = Op::make_around;
   if constexpr (requires { &Op::list_of; }) r.list_of = Op::list_of;
   if constexpr (requires(Op op, Data data) { op.prepare(data); }) {

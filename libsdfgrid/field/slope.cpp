@@ -80,7 +80,7 @@ Steep combined_slope(const float* c, const Steep& a, const Steep& b, const Point
     const Keep keep = op.keep(a.v, b.v);
     if (keep != Keep::both) return keep == Keep::first ? a : b;
     return weighted(
-        a, requires { Op::kRest; } ? -b : b);
+        a, requires { Op::kTurnsLast; } ? -b : b);
   } else if constexpr (requires { op.slope(a.v, 1.0, b.v, 1.0, p); }) {
     return no_steeper(op.slope(a.v, most_of(a), b.v, most_of(b), p));
   } else {
