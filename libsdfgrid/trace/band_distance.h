@@ -22,7 +22,7 @@ class BandDistance {
   BandDistance(const Atlas& atlas, const Job& job);
 
   // In voxels; 0 in a slot with band. `at` is the place in the slot at a place of the tables, in
-  // voxels. Far from the band no more than kMost.
+  // voxels. Far from the band no more than what the last ring that is told apart is away.
   [[nodiscard]] double operator()(std::size_t place, const glm::dvec3& at) const;
   [[nodiscard]] bool in_band(std::size_t place) const { return (slots_[place] & kRings) == 0; }
 

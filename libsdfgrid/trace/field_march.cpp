@@ -309,8 +309,8 @@ void FieldMarch::steps(const Field& field, std::vector<RayGroup>& groups,
   }
 }
 
-// How far the way is free around where rays are evaluated next, with the values there: not beyond
-// the cell in which the slope holds, though the surface may be farther.
+// How far the way is free around where rays are evaluated next, with the values there: through as
+// many cells as LocalBounds follows a ray, each with its slope.
 FreeWays FieldMarch::ways_of(std::span<const std::uint32_t> list, const StepRule& rule,
                              const float* values) {
   const std::size_t column = list.size() * kLanes;
