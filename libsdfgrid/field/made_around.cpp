@@ -147,20 +147,56 @@ Field level(const Field& node, double distance) {
   return make_unary(offset, {static_cast<float>(value_at(node, distance))}, node);
 }
 
-// The nodes of a plain union that are joined two by two, or the field itself.
+bool has_files(const std::vector<Instruction>& code) {
+  return std::any_of(code.begin(), code.end(),
+                     [](const Instruction& at) { return at.step == Step::sample; });
+}
+
+bool is_plain_union(const Instruction& at) { return at.step == Step::combine && at.op == kUnionOp; }
+
+// Whether a node keeps its shape there, but for its place and size.
+bool is_move(const Program& program, const Instruction& at) {
+  if (at.step != Step::leave) return false;
+  const auto similarity = registry()[at.op].similarity;
+  return similarity != nullptr && similarity(constants_of(program, at)) > 0;
+}
+
+// Whether its last op is a region that a large union put around a file, or files.
+bool encloses_files(const Program& program) {
+  const Instruction* last = &program.code.back();
+  if (last->step != Step::leave || !is_enclosure(program, *last)) return false;
+  --last;
+  return last->step == Step::sample || is_plain_union(*last) || is_move(program, *last);
+}
+
+// The nodes of a plain union down to its files, or without any, each moved as the union is that it
+// stands in; or the field itself.
 void add_nodes(const Field& field, std::vector<Field>& nodes) {
-  const std::vector<Instruction>& code = field.program().code;
-  const Instruction& last = code.back();
-  if (last.step != Step::combine || last.op != kUnionOp || has_boxes(last)) {
+  const Program& program = field.program();
+  const std::vector<Instruction>& code = program.code;
+  const auto field_of = [&](std::vector<Instruction> of) {
+    return Field(std::make_shared<const Program>(make_program(std::move(of), program.pool)));
+  };
+  const bool enclosed = encloses_files(program);
+  if (!has_files(code)) {
     nodes.push_back(field);
-    return;
-  }
-  const auto end = code.end() - 1;
-  const auto middle = code.begin() + subtree_starts(code)[code.size() - 2];
-  for (const auto& [from, to] : {std::pair(code.begin(), middle), std::pair(middle, end)}) {
-    add_nodes(Field(std::make_shared<const Program>(
-                  make_program(std::vector<Instruction>(from, to), field.program().pool))),
-              nodes);
+  } else if (is_plain_union(code.back())) {
+    const auto middle = code.begin() + subtree_starts(code)[code.size() - 2];
+    add_nodes(field_of({code.begin(), middle}), nodes);
+    add_nodes(field_of({middle, code.end() - 1}), nodes);
+  } else if (enclosed || is_move(program, code.back())) {
+    std::vector<Field> inside;
+    add_nodes(field_of({code.begin() + 1, code.end() - 1}), inside);
+    for (const Field& node : inside) {
+      std::vector<Instruction> moved = node.program().code;
+      if (!enclosed) {
+        moved.insert(moved.begin(), code.front());
+        moved.push_back(code.back());
+      }
+      nodes.push_back(field_of(std::move(moved)));
+    }
+  } else {
+    nodes.push_back(field);
   }
 }
 

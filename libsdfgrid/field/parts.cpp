@@ -41,13 +41,6 @@ bool is_convex(const std::vector<Instruction>& code) {
   });
 }
 
-// Whether it is one of the regions that a large union put around a node.
-bool is_enclosure(const Program& program, const Instruction& at) {
-  static const int region = op_number("region");
-  return (at.step == Step::enter || at.step == Step::leave) && at.op == region &&
-         ops::load_op<ops::Region>(constants_of(program, at)).scale == 1;
-}
-
 // Whether a slope had to be divided away somewhere.
 bool is_scaled(const Program& program) {
   static const int region = op_number("region");

@@ -166,6 +166,12 @@ class TreeBuilder {
 
 }  // namespace
 
+bool is_enclosure(const Program& program, const Instruction& at) {
+  static const int region = op_number("region");
+  return (at.step == Step::enter || at.step == Step::leave) && at.op == region &&
+         ops::load_op<ops::Region>(constants_of(program, at)).scale == 1;
+}
+
 Box operand_box(const Program& program, const Instruction& at, int operand) {
   const bool second = (operand == 1) != (at.count == kUnionSwapped);
   const float* f = program.pool->constants.data() + at.data + (second ? 6 : 0);

@@ -36,6 +36,10 @@ inline bool finite(const Box& box) {
   return all(box.lo) && all(box.hi);
 }
 
+// Whether it is one of the regions that a large union put around a node; or around a warp that is
+// not steeper than 1.
+[[nodiscard]] bool is_enclosure(const Program& program, const Instruction& at);
+
 // The box of the first or the second operand of such a union.
 [[nodiscard]] Box operand_box(const Program& program, const Instruction& at, int operand);
 

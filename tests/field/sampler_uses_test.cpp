@@ -57,6 +57,58 @@ SamplerUse use_of(const Field& field) {
 
 Field offset(double by, const Field& of) { return make_field("offset", {{"by", by}}, {of}); }
 
+// A ball whose values beyond its surface are half the distance to that.
+class FlatBall : public CutBall {
+ public:
+  explicit FlatBall(const Ball& ball) : CutBall(ball) {}
+  void evaluate(int n, const float* x, const float* y, const float* z, float* out) const override {
+    for (int i = 0; i < n; ++i) out[i] = static_cast<float>(value({x[i], y[i], z[i]}));
+  }
+  [[nodiscard]] Box bounds(double level) const override {
+    return CutBall::bounds(level > 0 ? 2 * level : level);
+  }
+  [[nodiscard]] double value(const glm::dvec3& p) const override {
+    return value_at(CutBall::value(p));
+  }
+  [[nodiscard]] double value_at(double distance) const override {
+    return distance > 0 ? 0.5 * distance : distance;
+  }
+};
+
+// However files are joined, moved and joined again, offsets outwards are as wide as they say.
+TEST(Offsets, OfUnionsOfFilesAreExactHoweverTheseAreMoved) {
+  const Ball ball{glm::dvec3(0), 0.3};
+  const Field file = make_field(std::make_shared<FlatBall>(ball));
+  const auto at = [](double x, double y, const Field& of) {
+    return make_field("translate", {{"by", {x, y, 0}}}, {of});
+  };
+  const Field pair = make_field("union", {}, {at(-1, 0, file), at(1, 0, file)});
+  const Field larger = make_field("scale", {{"by", {2, 2, 2}}}, {pair});
+  const Field turned = make_field("rotate", {{"by", {0, 0, 90}}}, {larger});
+  const Field group = make_field("union", {}, {at(3, 1, turned), at(0, 1, make_field("sphere"))});
+  std::vector<Field> many = {at(0, 5, group)};
+  std::vector<Ball> balls = {{{3, 4, 0}, 0.6}, {{3, 8, 0}, 0.6}, {{0, 6, 0}, 1}};
+  const Field other = make_field("sphere", {{"radius", ball.radius}});
+  for (int i = 0; i < 20; ++i) {
+    balls.push_back({{i % 5 * 1.5 - 3, i / 5 * 1.5 - 3, 0}, ball.radius});
+    many.push_back(at(balls.back().center.x, balls.back().center.y, i % 3 == 0 ? other : file));
+  }
+  constexpr double kBy = 0.25;
+  const Field grown = offset(kBy, at(0.5, 0, make_field("union", {}, many)));
+  std::mt19937 random(33);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  for (int i = 0; i < 40000; ++i) {
+    const glm::vec3 p(5 * unit(random), 3 + 7 * unit(random), unit(random));
+    double least = kInfinity;
+    for (const Ball& b : balls) {
+      const glm::dvec3 center = b.center + glm::dvec3(0.5, 0, 0);
+      least = std::min(least, glm::distance(glm::dvec3(p), center) - b.radius);
+    }
+    if (std::fabs(least - kBy) < 1e-3) continue;
+    ASSERT_EQ(grown(p) < 0, least < kBy) << p.x << " " << p.y << " " << p.z << ": " << least;
+  }
+}
+
 TEST(SamplerUses, DifferencesTurnTheSignHoweverDeepTheyAreNested) {
   for (const char* op : {"difference", "smooth_difference"}) {
     Field field = make_field(whole_balls()[0]);
