@@ -212,6 +212,17 @@ void Session::check_writable() const {
   if (journal_ == nullptr) {
     throw Error(ErrorKind::usage, folder_ + ": the session was opened for reading only");
   }
+  (void)sculptor();
+}
+
+const Sculptor& Session::sculptor() const {
+  if (work_.sculptor == nullptr) {
+    throw Error(ErrorKind::failed,
+                folder_ +
+                    ": its grid could not be made again after an undo or redo that failed; "
+                    "its records are whole: open the session again");
+  }
+  return *work_.sculptor;
 }
 
 void Session::record(const std::string& text) {
@@ -263,9 +274,12 @@ std::size_t Session::undo(std::size_t count, const Job& job) {
     return count;
   }
   record(text);
-  in_step([&] {
+  try {
     for (std::size_t i = 0; i < count; ++i) work_.sculptor->undo();
-  });
+  } catch (const std::exception& e) {  // it is recorded, so it is to be done
+    make_again(std::current_exception());
+    warnings_.push_back(fmt::format("{}; the strokes before were replayed", e.what()));
+  }
   return count;
 }
 
@@ -273,23 +287,41 @@ std::size_t Session::redo(std::size_t count, const Job& job) {
   check_writable();
   count = std::min(count, standing_.undone.size());
   if (count == 0) return 0;
-  in_step([&] {
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t number = standing_.undone[standing_.undone.size() - 1 - i];
+  std::size_t redone = 0;
+  try {
+    for (; redone < count; ++redone) {
+      const std::size_t number = standing_.undone[standing_.undone.size() - 1 - redone];
       if (!work_.sculptor->redo()) apply_record(*work_.sculptor, number, job);
     }
     record(fmt::format("redo {}", count));
-  });
+  } catch (const Error&) {  // which leaves no stroke half made
+    if (!undo_again(redone)) make_again(std::current_exception());
+    throw;
+  } catch (...) {
+    make_again(std::current_exception());
+    throw;
+  }
   return count;
 }
 
-// Changes the grid by `change`; if that fails, makes the grid anew that the records say.
-void Session::in_step(const std::function<void()>& change) {
+// Whether so many strokes that were redone could be undone again.
+bool Session::undo_again(std::size_t redone) {
   try {
-    change();
-  } catch (...) {
+    while (redone > 0 && work_.sculptor->undo()) --redone;
+  } catch (const std::exception&) {
+    return false;
+  }
+  return redone == 0;
+}
+
+// Makes the grid anew that the records say, where a change left it half changed; what it was goes
+// first, so that memory need not hold both. If that fails there is none, and `cause` is thrown.
+void Session::make_again(const std::exception_ptr& cause) {
+  work_ = Work();
+  try {
     work_ = replay(standing_.done, Job());
-    throw;
+  } catch (...) {
+    std::rethrow_exception(cause);
   }
 }
 

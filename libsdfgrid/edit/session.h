@@ -13,7 +13,7 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <exception>
 #include <memory>
 #include <string>
 #include <vector>
@@ -63,7 +63,11 @@ class Session {
   // apply() makes of its stamps.
   [[nodiscard]] std::string recorded_text(const Stroke& stroke) const;
   // Undo, or redo, that many strokes or as many as there are; return how many. If they throw
-  // (Error{cancelled} while strokes are replayed, Error{failed}), the grid is that of the records.
+  // (Error{cancelled} while strokes are replayed, Error{failed}), nothing was undone or redone; the
+  // grid is that of the records. Should it be impossible to make that again, the session has no
+  // grid any more: this call throws what went wrong first, later ones Error{failed}, and the
+  // records, which are whole, can be opened again. Undoing strokes that history() does not hold
+  // replays those before into a second grid: while that lasts, memory holds both.
   std::size_t undo(std::size_t count, const Job& job);
   std::size_t redo(std::size_t count, const Job& job);
 
@@ -74,9 +78,9 @@ class Session {
   // What was cut off or could not be written, since it was opened.
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   [[nodiscard]] Redistance redistance() const { return sculpt_.redistance; }
-  [[nodiscard]] const Grid& grid() const { return work_.sculptor->grid(); }
+  [[nodiscard]] const Grid& grid() const { return sculptor().grid(); }
   // Of the strokes since it was opened; others are undone by replaying those before.
-  [[nodiscard]] const UndoHistory& history() const { return work_.sculptor->history(); }
+  [[nodiscard]] const UndoHistory& history() const { return sculptor().history(); }
 
  private:
   void read_journal_file();
@@ -91,10 +95,12 @@ class Session {
   Work replay(const std::vector<std::size_t>& done, const Job& job);
   std::size_t best_snapshot(const std::vector<std::size_t>& now, Grid& grid);
   void apply_record(Sculptor& sculptor, std::size_t number, const Job& job);
-  void in_step(const std::function<void()>& change);
+  bool undo_again(std::size_t redone);
+  void make_again(const std::exception_ptr& cause);
   void record(const std::string& text);
   void snapshot();
   void check_writable() const;
+  [[nodiscard]] const Sculptor& sculptor() const;
   [[nodiscard]] std::vector<std::string> texts_of(const std::vector<std::size_t>& numbers) const;
   [[nodiscard]] std::string file(const std::string& name) const { return folder_ + "/" + name; }
 

@@ -26,6 +26,7 @@ target_include_directories(session_child PRIVATE ${PROJECT_SOURCE_DIR}/tests)
 sdfgrid_test(session_test LABEL heavy
              SOURCES ${edit_grids} ${CMAKE_CURRENT_LIST_DIR}/session_test.cpp
                      ${CMAKE_CURRENT_LIST_DIR}/session_damage_test.cpp
+                     ${CMAKE_CURRENT_LIST_DIR}/session_undo_test.cpp
                      ${CMAKE_CURRENT_LIST_DIR}/session_crash_test.cpp
                      ${CMAKE_CURRENT_LIST_DIR}/../app/process.cpp
              PACKAGES OpenVDB::openvdb)

@@ -1,9 +1,7 @@
 // Sessions whose files were damaged, torn or made by a newer version, and those that cannot write.
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <algorithm>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 
@@ -192,27 +190,6 @@ TEST_F(SessionDamage, AWordThatDoesNothingIsRecorded) {
   EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(2));
 }
 
-// While it lives no file may grow beyond so many bytes, as on a full disk.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(std::uintmax_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    handler_ = std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit before_{};
-  void (*handler_)(int) = nullptr;
-};
-
 TEST_F(SessionDamage, AStrokeThatCouldNotBeRecordedLeavesRedoAsItWas) {
   make(3);
   Session session(path_, {}, Job());
@@ -314,50 +291,6 @@ TEST_F(SessionDamage, SnapshotsAfterASalvageStay) {
   EXPECT_EQ(made[0].records, 6U);  // how it began, four that were good, a new one
   const Session session(path_, reading_, Job());
   EXPECT_EQ(content_of(session.grid(), kExtent), content_after({0, 1, 2, 3, 10, 11}));
-}
-
-// While strokes are replayed undo and redo may be cancelled, or fail to be recorded: the session
-// goes on as if they had not been asked for.
-TEST_F(SessionDamage, UndoAndRedoThatFailChangeNothing) {
-  make(6, {.snapshot_every = 6});
-  Session session(path_, {}, Job());  // from the snapshot: none of the strokes is in its memory
-  const auto expect_unchanged = [&](std::size_t strokes) {
-    EXPECT_EQ(session.strokes().size(), strokes);
-    EXPECT_EQ(content_of(session.grid(), kExtent), expected_content(strokes));
-    const Session again(path_ + "-copy", reading_, Job());
-    EXPECT_EQ(content_of(again.grid(), kExtent), expected_content(strokes));
-  };
-  const auto copy = [&] {
-    fs::remove_all(path_ + "-copy");
-    fs::copy(path_, path_ + "-copy", fs::copy_options::recursive);
-    fs::remove(path_ + "-copy/lock");
-  };
-  const Job cancelled;
-  cancelled.cancel();
-  EXPECT_THROW((void)session.undo(4, cancelled), Error);
-  copy();
-  expect_unchanged(6);
-  {
-    const FileSizeLimit full(fs::file_size(journal_));
-    EXPECT_THROW((void)session.undo(4, Job()), Error);
-  }
-  copy();
-  expect_unchanged(6);
-  EXPECT_EQ(session.undo(4, Job()), 4U);
-  copy();
-  expect_unchanged(2);
-  EXPECT_THROW((void)session.redo(3, cancelled), Error);
-  copy();
-  expect_unchanged(2);
-  {
-    const FileSizeLimit full(fs::file_size(journal_));
-    EXPECT_THROW((void)session.redo(3, Job()), Error);
-  }
-  copy();
-  expect_unchanged(2);
-  EXPECT_EQ(session.redo(4, Job()), 4U);
-  copy();
-  expect_unchanged(6);
 }
 
 TEST_F(SessionDamage, LeftoversGoWhenItIsOpenedForWriting) {
