@@ -6,14 +6,13 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
-#include <optional>
-#include <queue>
 
 #include "sdfgrid/field/build.h"
 #include "sdfgrid/field/displace.h"
 #include "sdfgrid/field/folds.h"
 #include "sdfgrid/field/formula.h"
 #include "sdfgrid/field/interpret.h"
+#include "sdfgrid/field/least_value.h"
 #include "sdfgrid/field/ranges.h"
 #include "sdfgrid/field/union_tree.h"
 
@@ -225,59 +224,6 @@ Field Shell::make_around(const std::vector<Argument>& arguments, const Field& no
 
 namespace {
 
-// Halves of a box, across its longest side; where a side has no end, farther out the farther it
-// begins beyond `content`. Nothing if it is a point.
-std::optional<std::pair<Box, Box>> halves(const Box& box, const Box& content) {
-  const glm::dvec3 size = box.size();
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
-  const double lo = box.lo[axis];
-  const double hi = box.hi[axis];
-  if (!(hi > lo)) return {};
-  const double lowest = std::isfinite(content.lo[axis]) ? content.lo[axis] : 0;
-  const double highest = std::isfinite(content.hi[axis]) ? content.hi[axis] : 0;
-  double at = 0.5 * (lo + hi);
-  if (!std::isfinite(lo) && !std::isfinite(hi)) {
-    at = 0.5 * (lowest + highest);
-  } else if (!std::isfinite(hi)) {
-    at = lo < highest ? highest : lo + (lo - highest) + (highest - lowest) + 1;
-  } else if (!std::isfinite(lo)) {
-    at = hi > lowest ? lowest : hi - (lowest - hi) - (highest - lowest) - 1;
-  }
-  std::pair<Box, Box> made{box, box};
-  made.first.hi[axis] = made.second.lo[axis] = at;
-  return made;
-}
-
-// A lower bound on a node over a box, where it is `known` already to be no less than that, and
-// within a hundredth of the least value that was met: the part with the least bound is divided
-// until then, at most kMostParts times, and so often that no more than kMostInstructions are read.
-double least_value(const Field& field, const Box& box, const Box& content, double known) {
-  constexpr std::size_t kMostParts = 4000;
-  constexpr std::size_t kMostInstructions = 1000000;
-  using Part = std::pair<double, Box>;
-  const auto later = [](const Part& a, const Part& b) { return a.first > b.first; };
-  std::priority_queue<Part, std::vector<Part>, decltype(later)> parts(later);
-  double met = kInfinity;
-  const auto add = [&](const Box& part, double least) {
-    parts.push({std::fmax(least, field.range(part).lo), part});
-    const glm::dvec3 middle = part.center();
-    const bool finite =
-        std::isfinite(middle.x) && std::isfinite(middle.y) && std::isfinite(middle.z);
-    if (finite) met = std::fmin(met, field.range({middle, middle}).hi);
-  };
-  add(box, known);
-  const std::size_t most = std::min(kMostParts, kMostInstructions / field.size());
-  for (std::size_t i = 0; i < most && !(parts.top().first >= 0.99 * met); ++i) {
-    const auto [least, part] = parts.top();
-    const auto both = halves(part, content);
-    if (!both) break;
-    parts.pop();
-    add(both->first, least);
-    add(both->second, least);
-  }
-  return parts.top().first;
-}
-
 // A value that a node has at least on the walls of its cell across an axis, by the boxes that it
 // says to be below levels in.
 double least_by_bounds(const Field& node, const Box& cell, int axis) {
@@ -293,10 +239,11 @@ double least_by_bounds(const Field& node, const Box& cell, int axis) {
   return below > 0 ? below : -kInfinity;
 }
 
-// The least value of a node on the walls of its cell across an axis.
+// The least value of a node on the walls of its cell across an axis, to a hundredth.
 double least_on_walls(const Field& node, const Box& cell, const std::vector<double>& edges,
                       int axis, const Box& content) {
   const double known = least_by_bounds(node, cell, axis);
+  const auto close = [](const LeastValue& now) { return now.bound >= 0.99 * now.met; };
   double least = kInfinity;
   for (const double side : {cell.lo[axis], cell.hi[axis]}) {
     Box wall = cell;
@@ -307,7 +254,7 @@ double least_on_walls(const Field& node, const Box& cell, const std::vector<doub
       wall.hi[b] = kInfinity;
     }
     wall.lo[axis] = wall.hi[axis] = side;
-    least = std::fmin(least, least_value(node, wall, content, known));
+    least = std::fmin(least, least_value(node, wall, content, known, close, Job()).bound);
   }
   return least;
 }

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <glm/common.hpp>
+#include <iterator>
 #include <optional>
 #include <vector>
 
@@ -73,6 +74,7 @@ struct Part {
   std::vector<LeafPointer> leaves;
   std::size_t evaluated = 0;
   std::size_t regions = 0;
+  bool inside = false;  // whether it has a sample inside
 };
 
 class Subdivision {
@@ -145,6 +147,8 @@ class Subdivision {
     }
     const bool any = std::any_of(active, active + 8, [](std::uint64_t word) { return word != 0; });
     if (any) made.leaves.push_back(make_leaf(brick.lo, values, active));
+    made.inside =
+        made.inside || std::any_of(values, std::end(values), [](float v) { return v <= 0; });
   }
 
   void add_block(const Cube& block) {
@@ -249,7 +253,10 @@ class FieldConverter {
   }
 
   FieldConversion assemble(const Field& field) {
-    if (bricks_ == 0) throw nothing_in(field);
+    // What is thin may pass between the samples.
+    const bool inside =
+        std::any_of(parts_.begin(), parts_.end(), [](const Part& part) { return part.inside; });
+    if (bricks_ == 0 || (!inside && is_surely_empty(field, job_))) throw nothing_in(field);
     const auto vdb = make_level_set(lattice_, options_.band);
     openvdb::tree::ValueAccessor<openvdb::FloatTree> accessor(vdb->tree());
     for (Part& part : parts_) {
@@ -307,7 +314,6 @@ FieldConversion convert_field(const Field& field, const FieldConvertOptions& opt
   }
   const auto start = std::chrono::steady_clock::now();
   const Lattice lattice = choose_lattice(field, options);
-  if (is_surely_empty(field, field.bounds())) throw nothing_in(field);
   FieldConversion result = FieldConverter(lattice, options, job).run(field);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

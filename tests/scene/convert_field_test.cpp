@@ -98,6 +98,18 @@ TEST(ConvertField, DoesNotVisitEmptySpace) {
   EXPECT_LT(convert_field(two, options, Job()).evaluated, 100000U);
 }
 
+// Between its samples: none is inside, and yet there is something.
+TEST(ConvertField, KeepsWhatIsThinnerThanItsVoxels) {
+  FieldConvertOptions options;
+  options.voxel = 0.1;
+  const Field field = field_of("{shell: {thickness: 1e-5, of: {sphere: {radius: 0.987}}}}");
+  const FieldConversion made = convert_field(field, options, Job());
+  EXPECT_GT(made.grid.active_voxels(), 1000U);
+  const Job cancelled;
+  cancelled.cancel();
+  EXPECT_THROW((void)convert_field(field, options, cancelled), Error);
+}
+
 TEST(ConvertField, RefusesWhatHasNoEndOrNoInside) {
   const auto refusal = [](const Field& field, const FieldConvertOptions& options) {
     try {
