@@ -137,6 +137,21 @@ void check_is_grid(const std::string& path) {
   throw input_error(path, "", fmt::format("it is {}, no grid", noun_of(kind)), remedy);
 }
 
+void check_kind(const std::string& path, const std::string& name, FileKind wanted,
+                std::initializer_list<FileKind> words) {
+  const FileKind kind = kind_of_file(path);
+  if (kind == wanted) return;
+  const auto word_of = [](FileKind one) { return noun_of(one).substr(2); };
+  if (std::find(words.begin(), words.end(), kind) != words.end()) {
+    throw input_error(path, "", fmt::format("it is {}", noun_of(kind)),
+                      fmt::format("write {{{}: {{file: {}}}}}", word_of(kind), name));
+  }
+  const std::string way = way_to_grid(kind, path);
+  if (way.empty()) return;
+  throw input_error(path, "", fmt::format("it is {}, no {}", noun_of(kind), word_of(wanted)),
+                    way + (wanted == FileKind::grid ? "" : ", and name that under `grid`"));
+}
+
 void check_is_strokes(const std::string& path) {
   const FileKind kind = kind_of_file(path);
   if (kind == FileKind::missing || kind == FileKind::strokes || kind == FileKind::other) return;

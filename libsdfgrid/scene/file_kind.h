@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 
@@ -33,5 +34,9 @@ enum class FileKind : std::uint8_t {
 // grid, no mesh or no stroke file: to be called before it is read as one.
 void check_is_grid(const std::string& path);
 void check_is_strokes(const std::string& path);
+// The same of a file that is named, by `name`, under the word of one kind, where those of `words`
+// might stand: another of these is told its own word.
+void check_kind(const std::string& path, const std::string& name, FileKind wanted,
+                std::initializer_list<FileKind> words);
 
 }  // namespace sdfgrid

@@ -73,21 +73,6 @@ Grid read(SampledFile& known) {
   return grid;
 }
 
-// Of a file that belongs under another word.
-void check_kind(const std::string& path, const std::string& name, bool mesh) {
-  const FileKind kind = kind_of_file(path);
-  const bool other = mesh ? kind == FileKind::grid : kind == FileKind::mesh;
-  if (other) {
-    throw input_error(path, "", fmt::format("it is {}", noun_of(kind)),
-                      fmt::format("write {}: {{file: {}}}", mesh ? "grid" : "mesh", name));
-  }
-  const std::string way =
-      kind == FileKind::mesh || kind == FileKind::grid ? "" : way_to_grid(kind, path);
-  if (way.empty()) return;
-  throw input_error(path, "", fmt::format("it is {}, no {}", noun_of(kind), mesh ? "mesh" : "grid"),
-                    way + (mesh ? ", and name that under `grid`" : ""));
-}
-
 }  // namespace
 
 const SampledFile& SampledFiles::get(const std::string& path, const std::string& name, int dim,
@@ -97,7 +82,8 @@ const SampledFile& SampledFiles::get(const std::string& path, const std::string&
   known.path = path;
   if (known.line == 0) known.line = line;
   known.dim = dim;
-  check_kind(path, name, dim > 0);
+  check_kind(path, name, dim > 0 ? FileKind::mesh : FileKind::grid,
+             {FileKind::grid, FileKind::mesh});
   const Grid grid = dim > 0 ? convert(known) : read(known);
   std::map<int, int> tags = paint_tags(grid);
   known.tag = tags.contains(0) ? tags[0] : -1;

@@ -69,18 +69,6 @@ std::string visit_files(const Stamp& stamp, const Visit& visit) {
   return name;
 }
 
-// Of a file that belongs under the other word.
-void check_kind(const Stamp& stamp) {
-  const FileKind kind = kind_of_file(stamp.file);
-  const bool is_grid = stamp.kind == Stamp::Kind::grid;
-  if (kind == (is_grid ? FileKind::scene : FileKind::grid)) {
-    throw input_error(stamp.file, "", fmt::format("it is {}", noun_of(kind)),
-                      fmt::format("write {{{}: {{file: {}}}}}", is_grid ? "scene" : "grid",
-                                  fs::path(stamp.file).filename().string()));
-  }
-  if (kind != FileKind::scene) check_is_grid(stamp.file);
-}
-
 std::shared_ptr<const BrushShape> grid_brush(const std::string& file, const Job& job) {
   const Grid grid = read_grid(file);
   check_has_inside(grid);
@@ -103,7 +91,9 @@ std::shared_ptr<const BrushShape> grid_brush(const std::string& file, const Job&
 FileStamps::Entry& FileStamps::entry(const Stamp& stamp) {
   Entry& known = entries_[stamp.file];
   if (!known.name.empty()) return known;
-  check_kind(stamp);
+  check_kind(stamp.file, fs::path(stamp.file).filename().string(),
+             stamp.kind == Stamp::Kind::grid ? FileKind::grid : FileKind::scene,
+             {FileKind::grid, FileKind::scene});
   const std::string name = visit_files(stamp, [](const std::string&, const std::string&) {});
   if (stamp.kept && name != fs::path(stamp.file).filename()) {
     throw input_error(stamp.file, "",

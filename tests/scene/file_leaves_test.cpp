@@ -284,8 +284,8 @@ TEST_F(SceneOfCube, FilesUnderTheWrongWordAreToldTheRightOne) {
   (void)folder_.write("ball.yaml", "sdfgrid: 1\nscene: {sphere: {}}\n");
   (void)folder_.write("dabs.yaml", "sdfgrid-strokes: 1\nstrokes: []\n");
   const std::pair<std::string, std::string> wrong[] = {
-      {"{grid: {file: cube.off}}", "cube.off: it is a mesh; write mesh: {file: cube.off}"},
-      {"{mesh: {file: cube.vdb}}", "cube.vdb: it is a grid; write grid: {file: cube.vdb}"},
+      {"{grid: {file: cube.off}}", "cube.off: it is a mesh; write {mesh: {file: cube.off}}"},
+      {"{mesh: {file: cube.vdb}}", "cube.vdb: it is a grid; write {grid: {file: cube.vdb}}"},
       {"{grid: {file: ball.yaml}}", "ball.yaml: it is a scene, no grid; make a grid of it by"},
       {"{mesh: {file: ball.yaml}}", "ball.yaml: it is a scene, no mesh; make a grid of it by"},
       {"{mesh: {file: dabs.yaml}}", "dabs.yaml: it is a stroke file, no mesh; apply it to a grid"},
