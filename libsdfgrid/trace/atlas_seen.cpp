@@ -26,9 +26,6 @@ Material paint_look(int material, const PaintLook& look) {
 
 SeenAtlas::SeenAtlas(const Atlas& atlas, const Material& material, const Grid& painted)
     : atlas_(atlas), material_(material), painted_(painted) {
-  for (const auto& [number, count] : paint_counts(painted)) {
-    if (number > 0) looks_[number] = paint_look(number);
-  }
   for (const auto& [number, look] : paint_looks(painted)) {
     (number == 0 ? material_ : looks_[number]) = paint_look(number, look);
   }
@@ -52,7 +49,11 @@ void SeenAtlas::describe(std::span<const glm::dvec3> points, std::span<glm::vec3
   for (std::size_t i = 0; i < points.size(); ++i) {
     const int material = paint.at(points[i]);
     const auto look = looks_.find(material);
-    if (look != looks_.end()) materials[i] = look->second;
+    if (look != looks_.end()) {
+      materials[i] = look->second;
+    } else if (material > 0) {
+      materials[i] = paint_look(material);
+    }
   }
 }
 

@@ -32,7 +32,7 @@ class SeenAtlas : public Seen {
   const Atlas& atlas_;
   Material material_;
   std::optional<Grid> painted_;
-  std::map<int, Material> looks_;  // of the materials that it is painted with
+  std::map<int, Material> looks_;  // of materials, where the grid says it
 };
 
 }  // namespace sdfgrid
