@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <random>
 
 #include "sdfgrid/grid/vdb.h"
 
@@ -113,6 +114,22 @@ double TwoBalls::intersect(const glm::dvec3& p) const {
   if (glm::length(on_a - b) <= rb) nearest = std::min(nearest, std::abs(da));
   if (glm::length(on_b - a) <= ra) nearest = std::min(nearest, std::abs(db));
   return std::max(da, db) < 0 ? -nearest : nearest;
+}
+
+std::vector<Stroke> random_strokes(int count, unsigned seed, double least_radius) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(-18, 18);
+  std::uniform_real_distribution<double> radius(least_radius, 9);
+  std::vector<Stroke> strokes;
+  for (int i = 0; i < count; ++i) {
+    Stroke s = ball_stroke(i % 2 == 0 ? StrokeOp::unite : StrokeOp::subtract,
+                           {place(random), place(random), place(random)}, radius(random));
+    if (i % 3 == 0) {
+      s.path.push_back({{0.1 * place(random), 0.1 * place(random), 0.1 * place(random)}, 0.6});
+    }
+    strokes.push_back(s);
+  }
+  return strokes;
 }
 
 }  // namespace sdfgrid::test

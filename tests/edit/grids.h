@@ -38,4 +38,7 @@ struct TwoBalls {
   [[nodiscard]] double to_crease(const glm::dvec3& p) const;
 };
 
+// Balls united and subtracted in turn, some along a path, around a ball of about 15 voxels.
+[[nodiscard]] std::vector<Stroke> random_strokes(int count, unsigned seed, double least_radius = 2);
+
 }  // namespace sdfgrid::test

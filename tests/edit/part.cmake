@@ -7,6 +7,7 @@ sdfgrid_test(edit_test SOURCES ${edit_grids} ${CMAKE_CURRENT_LIST_DIR}/combine_k
                                ${CMAKE_CURRENT_LIST_DIR}/placement_test.cpp
                                ${CMAKE_CURRENT_LIST_DIR}/live_atlas_test.cpp
                                ${CMAKE_CURRENT_LIST_DIR}/undo_pool_test.cpp
+                               ${CMAKE_CURRENT_LIST_DIR}/undo_budget_test.cpp
                                ${CMAKE_CURRENT_LIST_DIR}/undo_test.cpp
                                ${CMAKE_CURRENT_LIST_DIR}/stamp_test.cpp
                                ${CMAKE_CURRENT_LIST_DIR}/paint_test.cpp
