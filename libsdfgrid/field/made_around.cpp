@@ -177,13 +177,14 @@ void add_nodes(const Field& field, std::vector<Field>& nodes) {
     return Field(std::make_shared<const Program>(make_program(std::move(of), program.pool)));
   };
   const bool enclosed = encloses_files(program);
-  if (!has_files(code)) {
+  const bool moved_as_one = enclosed || is_move(program, code.back());
+  if (!has_files(code) || !(is_plain_union(code.back()) || moved_as_one)) {
     nodes.push_back(field);
   } else if (is_plain_union(code.back())) {
     const auto middle = code.begin() + subtree_starts(code)[code.size() - 2];
     add_nodes(field_of({code.begin(), middle}), nodes);
     add_nodes(field_of({middle, code.end() - 1}), nodes);
-  } else if (enclosed || is_move(program, code.back())) {
+  } else {
     std::vector<Field> inside;
     add_nodes(field_of({code.begin() + 1, code.end() - 1}), inside);
     for (const Field& node : inside) {
@@ -194,8 +195,6 @@ void add_nodes(const Field& field, std::vector<Field>& nodes) {
       }
       nodes.push_back(field_of(std::move(moved)));
     }
-  } else {
-    nodes.push_back(field);
   }
 }
 

@@ -18,8 +18,8 @@ TEST(ExactOps, BoundsOfCurvesFarAway) {
   std::mt19937 random(29);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int curve = 0; curve < 40; ++curve) {
-    std::vector<double> points;
-    for (int i = 0; i < 9; ++i) points.push_back(kAway + unit(random));
+    std::vector<double> points(9);
+    for (double& c : points) c = kAway + unit(random);
     const Field f = sdfgrid::make_field("bezier", {{"points", points}, {"radius", 0.05}});
     const sdfgrid::Box box = f.bounds();
     for (int i = 0; i < 20000; ++i) {
