@@ -90,7 +90,8 @@ TEST(Offsets, OfUnionsOfFilesAreExactHoweverTheseAreMoved) {
   std::vector<Ball> balls = {{{3, 4, 0}, 0.6}, {{3, 8, 0}, 0.6}, {{0, 6, 0}, 1}};
   const Field other = make_field("sphere", {{"radius", ball.radius}});
   for (int i = 0; i < 20; ++i) {
-    balls.push_back({{i % 5 * 1.5 - 3, i / 5 * 1.5 - 3, 0}, ball.radius});
+    const int row = i / 5;
+    balls.push_back({{i % 5 * 1.5 - 3, row * 1.5 - 3, 0}, ball.radius});
     many.push_back(at(balls.back().center.x, balls.back().center.y, i % 3 == 0 ? other : file));
   }
   constexpr double kBy = 0.25;
