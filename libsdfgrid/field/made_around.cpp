@@ -278,6 +278,13 @@ Field Repeat::make_around(const std::vector<Argument>& given, const Field& node)
     cell_box.lo[a] = -0.5 * edges[a];
     cell_box.hi[a] = 0.5 * edges[a];
     if (content.lo[a] > cell_box.lo[a] && content.hi[a] < cell_box.hi[a]) continue;
+    const double hair = 1e-5 * edges[a];  // more than what rounding adds to a node's box
+    if (content.lo[a] > cell_box.lo[a] - hair && content.hi[a] < cell_box.hi[a] + hair) {
+      throw refused(info,
+                    fmt::format("the node touches the walls of its cell along {}; enlarge the "
+                                "cell a little, copies must not meet",
+                                "xyz"[a]));
+    }
     throw refused(
         info, fmt::format("the node reaches from {:g} to {:g} along {}, its cell only from "
                           "{:g} to {:g}; enlarge the cell or move the node into it",

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "field/pairs.h"
+#include "sdfgrid/core/error.h"
 #include "sdfgrid/field/field.h"
 
 namespace sdfgrid {
@@ -129,6 +131,18 @@ TEST(Repeat, OfRoomyCellsAndOfLongProgramsIsOneCopy) {
 TEST(Repeat, TakesWhatOnlyItsBoundsProveToBeWithinTheCell) {
   const Field bulb = make_field("mandelbulb");
   EXPECT_GT(make_field("repeat", {{"cell", {2.5, 2.5, 2.5}}}, {bulb})({1.25F, 1.25F, 1.25F}), 0);
+}
+
+TEST(Repeat, OfWhatTouchesItsCellSaysSo) {
+  const Field ball = make_field("sphere", {{"radius", 0.5}});
+  try {
+    (void)make_field("repeat", {{"cell", {1, 1, 1}}}, {ball});
+    ADD_FAILURE() << "not refused";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("touches the walls of its cell along x"),
+              std::string::npos)
+        << e.what();
+  }
 }
 
 }  // namespace
