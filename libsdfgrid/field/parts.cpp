@@ -10,8 +10,6 @@
 namespace sdfgrid {
 namespace {
 
-using ops::kInfinity;
-
 // Maps that a union may be moved through: linear ones and translations.
 bool is_linear(const Instruction& at) {
   static const int known[] = {op_number("translate"), op_number("rotate"), op_number("scale"),

@@ -9,8 +9,8 @@ namespace sdfgrid::SDFGRID_ISA {
 namespace {
 
 constexpr std::int32_t kMostSteps = 1 << 22;  // no ray needs so many
-constexpr float kMomentum = 0.3F;  // how much of a step's slope goes into the next one's
-constexpr float kFar = 1e30F;      // as good as without end
+constexpr float kMomentum = 0.3F;             // how much of a step's slope goes into the next one's
+constexpr float kFar = 1e30F;                 // as good as without end
 
 inline F16 at_most(F16 a, float b) { return min(a, splat(b)); }
 inline F16 at_least(F16 a, float b) { return max(a, splat(b)); }
