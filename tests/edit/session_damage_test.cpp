@@ -22,9 +22,7 @@ namespace fs = std::filesystem;
 class SessionDamage : public ::testing::Test {
  protected:
   void make(std::size_t strokes, const SessionOptions& options = {}) {
-    create_session(path_, ball_grid(12), Redistance::local);
-    Session session(path_, options, Job());
-    for (std::size_t i = 0; i < strokes; ++i) (void)session.apply(stroke(i), Job());
+    make_session(path_, strokes, options);
   }
   // Where a record begins in the journal.
   static std::size_t place_of(const std::string& bytes, std::size_t record) {

@@ -128,11 +128,7 @@ TEST(Session, OpensWithWhatWasDone) {
 TEST(Session, UsesSnapshotsWhereTheirStrokesStand) {
   const Folder folder;
   const std::string path = folder.path("s");
-  create_session(path, ball_grid(12), Redistance::local);
-  {
-    Session session(path, {.snapshot_every = 4}, Job());
-    for (std::size_t i = 0; i < 9; ++i) (void)session.apply(stroke(i), Job());
-  }
+  make_session(path, 9, {.snapshot_every = 4});
   const std::vector<Snapshot> made = find_snapshots(path);
   ASSERT_EQ(made.size(), 2U);
   EXPECT_EQ(made[0].records, 9U);

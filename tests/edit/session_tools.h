@@ -13,6 +13,7 @@
 #include "edit/grids.h"
 #include "edit/session_strokes.h"
 #include "sdfgrid/edit/sculptor.h"
+#include "sdfgrid/edit/session.h"
 #include "sdfgrid/edit/stroke_file.h"
 
 namespace sdfgrid::test {
@@ -45,6 +46,14 @@ inline Content expected_content(std::size_t count) {
   std::vector<std::size_t> numbers(count);
   for (std::size_t i = 0; i < count; ++i) numbers[i] = i;
   return content_after(numbers);
+}
+
+// A session of the ball with the strokes 0 to `strokes` - 1.
+inline void make_session(const std::string& path, std::size_t strokes,
+                         const SessionOptions& options = {}) {
+  create_session(path, ball_grid(12), Redistance::local);
+  Session session(path, options, Job());
+  for (std::size_t i = 0; i < strokes; ++i) (void)session.apply(stroke(i), Job());
 }
 
 // While it lives no file may grow beyond so many bytes, as on a full disk.

@@ -20,9 +20,7 @@ namespace fs = std::filesystem;
 class SessionUndo : public ::testing::Test {
  protected:
   void make(std::size_t strokes, const SessionOptions& options = {}) {
-    create_session(path_, ball_grid(12), Redistance::local);
-    Session session(path_, options, Job());
-    for (std::size_t i = 0; i < strokes; ++i) (void)session.apply(stroke(i), Job());
+    make_session(path_, strokes, options);
   }
   static void expect_in(const std::string& text, const std::string& part) {
     EXPECT_NE(text.find(part), std::string::npos) << "no '" << part << "' in: " << text;
