@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 
@@ -70,13 +69,6 @@ CLI::Validator whole_number(std::int64_t lo, std::int64_t hi) {
                      : fmt::format("'{}' is not a whole number from {} to {}", text, lo, hi);
       },
       fmt::format("INT in [{} - {}]", lo, hi));
-}
-
-std::string extension_of(const std::string& path) {
-  std::string extension = fs::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
 }
 
 bool has_extension(const std::string& path, const std::vector<std::string>& extensions) {

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "sdfgrid/core/file_name.h"
+
 namespace sdfgrid::cli {
 
 // An output file, asked for by `-o, --output` and protected by `--force`.
@@ -31,9 +33,6 @@ void check_output(const Output& output);
 
 // The same: whole numbers from lo to hi.
 [[nodiscard]] CLI::Validator whole_number(std::int64_t lo, std::int64_t hi);
-
-// The extension of a path in lower case with its dot: "bunny.VDB" -> ".vdb".
-[[nodiscard]] std::string extension_of(const std::string& path);
 
 // Whether a path has one of some extensions.
 [[nodiscard]] bool has_extension(const std::string& path,

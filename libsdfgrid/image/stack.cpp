@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/core/file_name.h"
 #include "sdfgrid/core/memory.h"
 #include "sdfgrid/image/codec.h"
 
@@ -20,8 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_tiff(const std::string& path) {
-  std::string extension = fs::path(path).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = extension_of(path);
   return extension == ".tif" || extension == ".tiff";
 }
 

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <utility>
 
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/core/file_name.h"
 #include "sdfgrid/mesh/read_formats.h"
 #include "sdfgrid/mesh/triangulate.h"
 
@@ -33,8 +33,7 @@ constexpr std::pair<const char*, Reader> kReaders[] = {
     {".stlb", mesh_io::read_stl}};
 
 Reader reader_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = extension_of(path);
   for (const auto& [known, reader] : kReaders) {
     if (extension == known) return reader;
   }

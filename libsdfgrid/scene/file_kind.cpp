@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/core/file_name.h"
 #include "sdfgrid/image/stack.h"
 #include "sdfgrid/mesh/read.h"
 #include "sdfgrid/scene/scene.h"
@@ -19,13 +20,6 @@ namespace fs = std::filesystem;
 
 bool is_one_of(const std::string& extension, const std::vector<std::string>& all) {
   return std::find(all.begin(), all.end(), extension) != all.end();
-}
-
-std::string extension_of(const std::string& path) {
-  std::string extension = fs::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
 }
 
 // Of a plain file: a pipe gives its bytes but once.
@@ -130,13 +124,6 @@ std::string way_to_grid(FileKind kind, const std::string& path) {
   }
 }
 
-void check_is_grid(const std::string& path) {
-  const FileKind kind = kind_of_file(path);
-  const std::string remedy = way_to_grid(kind, path);
-  if (remedy.empty()) return;
-  throw input_error(path, "", fmt::format("it is {}, no grid", noun_of(kind)), remedy);
-}
-
 void check_kind(const std::string& path, const std::string& name, FileKind wanted,
                 std::initializer_list<FileKind> words) {
   const FileKind kind = kind_of_file(path);
@@ -151,6 +138,8 @@ void check_kind(const std::string& path, const std::string& name, FileKind wante
   throw input_error(path, "", fmt::format("it is {}, no {}", noun_of(kind), word_of(wanted)),
                     way + (wanted == FileKind::grid ? "" : ", and name that under `grid`"));
 }
+
+void check_is_grid(const std::string& path) { check_kind(path, "", FileKind::grid, {}); }
 
 void check_is_strokes(const std::string& path) {
   const FileKind kind = kind_of_file(path);

@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
-#include <filesystem>
 #include <fstream>
 
 #include "sdfgrid/core/atomic_file.h"
 #include "sdfgrid/core/error.h"
+#include "sdfgrid/core/file_name.h"
 
 namespace sdfgrid {
 namespace {
@@ -107,8 +106,7 @@ constexpr std::array<Format, 3> kFormats = {
      {".vti", vti_header, "\n</AppendedData></VTKFile>\n"}}};
 
 const Format& format_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = extension_of(path);
   for (const Format& format : kFormats) {
     if (extension == format.extension) return format;
   }
