@@ -1,6 +1,5 @@
 // sdfgrid info: what a file holds.
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <memory>
@@ -167,8 +166,7 @@ void report_scene(const std::string& path, double time, Context& context) {
   result["kind"] = "scene";
   context.print("scene      at time {:g}", time);
   const Box box = scene.field.bounds();
-  bool ends = true;
-  for (int a = 0; a < 3; ++a) ends = ends && std::isfinite(box.size()[a]);
+  const bool ends = box.finite();
   if (ends) report_bounds(box, context);
   if (!ends) result["bounds"] = Json();
   result["instructions"] = scene.field.size();

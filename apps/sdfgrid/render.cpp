@@ -141,26 +141,19 @@ Grid load(const Options& options, Context& context) {
   return conversion.grid;
 }
 
-bool ends(const Box& box) {
-  for (int a = 0; a < 3; ++a) {
-    if (!std::isfinite(box.lo[a]) || !std::isfinite(box.hi[a])) return false;
-  }
-  return true;
-}
-
 // Parts of a scene without end are shown within a box around what the camera, the scene's own if
 // none is given, looks at. The others stay as they are, a union that rays take apart.
 Field with_end(const Field& field, const std::optional<glm::dvec3>& eye,
                const std::optional<glm::dvec3>& looked_at) {
-  if (ends(field.bounds())) return field;
+  if (field.bounds().finite()) return field;
   const glm::dvec3 target = looked_at.value_or(glm::dvec3(0));
   const double size = eye ? 4 * glm::distance(*eye, target) : 10;
   const Field room = make_field("translate", {{"by", {target.x, target.y, target.z}}},
                                 {make_field("box", {{"size", {size, size, size}}})});
   std::vector<Field> nodes;
   for (const FieldPart& part : parts_of(field)) {
-    nodes.push_back(ends(part.box) ? part.field
-                                   : make_field("intersection", {}, {part.field, room}));
+    nodes.push_back(part.box.finite() ? part.field
+                                      : make_field("intersection", {}, {part.field, room}));
   }
   return make_field("union", {}, nodes);
 }

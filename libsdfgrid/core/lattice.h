@@ -2,6 +2,7 @@
 // index.
 #pragma once
 
+#include <cmath>
 #include <glm/vec3.hpp>
 
 namespace sdfgrid {
@@ -18,6 +19,13 @@ struct Box {
     }
   }
   [[nodiscard]] bool empty() const { return lo.x > hi.x || lo.y > hi.y || lo.z > hi.z; }
+  // Whether it has an end along every axis.
+  [[nodiscard]] bool finite() const {
+    for (int a = 0; a < 3; ++a) {
+      if (!std::isfinite(lo[a]) || !std::isfinite(hi[a])) return false;
+    }
+    return true;
+  }
   [[nodiscard]] glm::dvec3 size() const { return hi - lo; }
   [[nodiscard]] glm::dvec3 center() const { return 0.5 * (lo + hi); }
 };

@@ -151,8 +151,6 @@ bool has_files(const std::vector<Instruction>& code) {
                      [](const Instruction& at) { return at.step == Step::sample; });
 }
 
-bool is_plain_union(const Instruction& at) { return at.step == Step::combine && at.op == kUnionOp; }
-
 // Whether a node keeps its shape there, but for its place and size.
 bool is_move(const Program& program, const Instruction& at) {
   if (at.step != Step::leave) return false;

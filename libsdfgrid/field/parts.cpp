@@ -100,13 +100,11 @@ class Splitter {
   // A union of nodes that may stand alone.
   [[nodiscard]] bool is_union(std::int32_t last) const {
     constexpr int kMostJoins = 3;  // one above the other, of the copies of a repetition
-    return joins(last) && !holds_copies(last, kMostJoins);
-  }
-  [[nodiscard]] bool joins(std::int32_t last) const {
-    return program_.code[last].step == Step::combine && program_.code[last].op == kUnionOp;
+    return is_plain_union(program_.code[last]) && !holds_copies(last, kMostJoins);
   }
   [[nodiscard]] bool holds_copies(std::int32_t last, int most_joins) const {
-    if (!joins(last)) return is_copy(program_, program_.code[last]);
+    const Instruction& at = program_.code[last];
+    if (!is_plain_union(at)) return is_copy(program_, at);
     return most_joins > 0 && holds_copies(last - 1, most_joins - 1) &&
            holds_copies(starts_[last - 1] - 1, most_joins - 1);
   }

@@ -67,8 +67,9 @@ Program make_program(std::vector<Instruction> code, std::shared_ptr<const Pool> 
   }
   if (std::any_of(program.code.begin(), program.code.end(), has_boxes)) {
     program.starts = subtree_starts(program.code);
-    program.strewn = std::any_of(program.code.begin(), program.code.end(),
-                                 [](const auto& at) { return has_boxes(at) && at.op == kUnionOp; });
+    program.strewn = std::any_of(program.code.begin(), program.code.end(), [](const auto& at) {
+      return has_boxes(at) && is_plain_union(at);
+    });
   }
   return program;
 }

@@ -324,7 +324,7 @@ Box bounds_below(const Program& program, const std::vector<std::int32_t>& starts
     const double grow = std::fmax(op.child_level(c, level), 0);
     const Box box = both_boxes(operand_box(program, at, 0), operand_box(program, at, 1));
     // Smooth unions have infinite boxes for what they do not know, too.
-    if (at.op == kUnionOp || finite(box)) return {box.lo - grow, box.hi + grow};
+    if (at.op == kUnionOp || box.finite()) return {box.lo - grow, box.hi + grow};
   }
   if (at.step == Step::leaf) {
     const Box box = op.bounds(c, data, all, all, level);

@@ -45,7 +45,7 @@ struct Part {
 Part enclosed(const Field& node) {
   Box box = node.bounds();
   if (box.empty() || exact_outside(node.program())) return {node, box};
-  if (!finite(box)) return {node, {glm::dvec3(-kInfinity), glm::dvec3(kInfinity)}};
+  if (!box.finite()) return {node, {glm::dvec3(-kInfinity), glm::dvec3(kInfinity)}};
   const glm::dvec3 size = box.size();
   const double far = std::max({std::fabs(box.lo.x), std::fabs(box.lo.y), std::fabs(box.lo.z),
                                std::fabs(box.hi.x), std::fabs(box.hi.y), std::fabs(box.hi.z)});
@@ -85,7 +85,7 @@ class TreeBuilder {
       return;
     }
     const auto endless = std::stable_partition(order.begin(), order.end(),
-                                               [&](int i) { return finite(parts_[i].box); });
+                                               [&](int i) { return parts_[i].box.finite(); });
     const std::span<int> ends(order.begin(), endless);
     const std::span<int> rest(endless, order.end());
     if (ends.empty() || rest.empty()) {

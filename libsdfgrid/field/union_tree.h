@@ -24,16 +24,13 @@ inline constexpr std::uint32_t kUnionSwapped = 13;  // of one whose operands cha
 
 inline constexpr std::uint16_t kUnionOp = 0;  // the first op of the first family
 
+inline bool is_plain_union(const Instruction& at) {
+  return at.step == Step::combine && at.op == kUnionOp;
+}
+
 // Whether the instruction is a union, smooth ones among them, that knows the boxes of its operands.
 inline bool has_boxes(const Instruction& at) {
   return at.step == Step::combine && at.count >= kUnionFloats && at.count <= kUnionSwapped;
-}
-
-inline bool finite(const Box& box) {
-  const auto all = [](const glm::dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-  };
-  return all(box.lo) && all(box.hi);
 }
 
 // Whether it is one of the regions that a large union put around a node; or around a warp that is
