@@ -61,6 +61,7 @@ struct ExponentialIntersection {
       "exponential_intersection: {k: 0.1, of: [{box: {size: [1.7, 1.7, 1.7]}}, {sphere: {radius: "
       "1}}]}",
       "the complement of exponential_union of complements"};
+  static constexpr bool kTakesAway = true;
   static constexpr Parameter parameters[] = {size("k", 0.05, "width of the rounding")};
   static constexpr bool kConvex = true;
   float k;
@@ -88,6 +89,7 @@ struct ExponentialDifference {
       "exponential_difference: {k: 0.1, of: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: "
       "0.9}}]}",
       "exponential_intersection with the complement of the others"};
+  static constexpr bool kTakesAway = true;
   static constexpr Parameter parameters[] = {size("k", 0.05, "width of the rounding")};
   static constexpr bool kConvex = true;
   static constexpr bool kTurnsLast = true;
@@ -163,6 +165,7 @@ struct PNormIntersection {
       "offset: {by: -0.2, of: {pnorm_intersection: {p: 3, of: [{box: {size: [2, 2, 2]}}, {sphere: "
       "{radius: 1.3}}]}}}",
       "the complement of pnorm_union of complements"};
+  static constexpr bool kTakesAway = true;
   static constexpr Parameter parameters[] = {number("p", 4, 1, 64, "the larger the sharper")};
   static constexpr bool kConvex = true;
   float p;
@@ -190,6 +193,7 @@ struct PNormDifference {
       "offset: {by: -0.12, of: {pnorm_difference: {p: 3, of: [{box: {size: [2, 2, 2]}}, "
       "{translate: {by: [0, 0, 1], of: {sphere: {radius: 0.7}}}}]}}}",
       "pnorm_intersection with the complement of the others"};
+  static constexpr bool kTakesAway = true;
   static constexpr Parameter parameters[] = {number("p", 4, 1, 64, "the larger the sharper")};
   static constexpr bool kConvex = true;
   static constexpr bool kTurnsLast = true;

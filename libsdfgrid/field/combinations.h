@@ -58,6 +58,7 @@ struct Intersection {
       "What is in all of the nodes.",
       "intersection: [{sphere: {radius: 1}}, {box: {size: [1.7, 1.2, 3]}}]",
       ""};
+  static constexpr bool kTakesAway = true;
   static constexpr bool kConvex = true;
 
   template <class T>
@@ -79,6 +80,7 @@ struct Difference {
       "The first node without all the others.",
       "difference: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: 1}}]",
       ""};
+  static constexpr bool kTakesAway = true;
   static constexpr bool kConvex = true;
   static constexpr bool kTurnsLast = true;
   static constexpr const char* kRest = "union";
@@ -142,6 +144,7 @@ struct SmoothIntersection {
       "exponential_intersection has no order.",
       "smooth_intersection: {k: 0.3, of: [{box: {size: [1.7, 1.7, 1.7]}}, {sphere: {radius: 1}}]}",
       "quadratic polynomial smooth maximum"};
+  static constexpr bool kTakesAway = true;
   static constexpr Parameter parameters[] = {size("k", 0.1, "width of the rounding")};
   static constexpr bool kConvex = true;
   float k;
@@ -167,6 +170,7 @@ struct SmoothDifference {
       "smooth_union; exponential_difference has no order.",
       "smooth_difference: {k: 0.3, of: [{box: {size: [1.6, 1.6, 1.6]}}, {sphere: {radius: 0.9}}]}",
       "quadratic polynomial smooth maximum"};
+  static constexpr bool kTakesAway = true;
   static constexpr Parameter parameters[] = {size("k", 0.1, "width of the rounding")};
   static constexpr bool kConvex = true;
   static constexpr bool kTurnsLast = true;

@@ -26,6 +26,7 @@ struct NoiseDisplacement {
       "noise_displace: {frequency: 2, amplitude: 0.08, octaves: 3, beta: 2, seed: 1, of: {sphere: "
       "{radius: 1}}}",
       "K. Perlin 2002; divided by 1 + 3.75 sum of amplitude times frequency"};
+  static constexpr bool kTakesAway = true;
   static constexpr Parameter parameters[] = {
       number("frequency", 1, 1e-6, 1e6, "of the first octave", "1/length"),
       number("amplitude", 0.1, 0, 1e6, "of the first octave", "length"),
@@ -59,6 +60,7 @@ struct FormulaDisplacement {
       "Moves the surface of a node outwards by a formula of the position.",
       "formula_displace: {f: \"0.08 * sin(6*x) * sin(6*y) * sin(6*z)\", of: {sphere: {radius: 1}}}",
       "slope by intervals of the formula's gradient"};
+  static constexpr bool kTakesAway = true;
   static constexpr Parameter parameters[] = {
       {"f", ParameterKind::text, "length", {kRequired, 0, 0}, 0, 0, "how far, of x, y, z and t"},
       size("largest", 0.5, "the solid may grow by this much; the formula is cut there"),
@@ -91,6 +93,7 @@ struct TextureDisplacement {
       "quadratic B-spline over the samples; divided by 1 + the largest difference of neighbours "
       "per "
       "length"};
+  static constexpr bool kTakesAway = true;
   static constexpr Parameter parameters[] = {
       {"file",
        ParameterKind::text,

@@ -1,7 +1,6 @@
 #include "sdfgrid/field/emptiness.h"
 
 #include <algorithm>
-#include <string_view>
 
 #include "sdfgrid/field/interval.h"
 #include "sdfgrid/field/least_value.h"
@@ -20,15 +19,10 @@ bool is_surely_empty(const Field& field, const Job& job) {
 std::vector<std::string> ops_that_take_away(const Field& field) {
   std::vector<std::string> found;
   for (const Instruction& at : field.program().code) {
-    const OpInfo* op = registry()[at.op].entry.info;
-    if (op == nullptr) continue;  // a file
-    const std::string_view name = op->name;
-    const bool takes = name.ends_with("intersection") || name.ends_with("difference") ||
-                       name == "complement" || name == "offset" || name == "shell" ||
-                       name.ends_with("_displace");
-    if (takes && std::find(found.begin(), found.end(), name) == found.end()) {
-      found.emplace_back(name);
-    }
+    const RegisteredOp& op = registry()[at.op];
+    if (at.step == Step::sample || !op.takes_away) continue;
+    const std::string name = op.entry.info->name;
+    if (std::find(found.begin(), found.end(), name) == found.end()) found.push_back(name);
   }
   return found;
 }

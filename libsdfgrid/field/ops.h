@@ -14,7 +14,8 @@
 // nodes' values matters for its own to be right at some is looks_at(levels), or of those where
 // surfaces may be as far from each other as `apart`, looks_at(levels, apart), and of the last node
 // that negated if it has kTurnsLast. A domain op may say changes_nothing(), and similarity(): what
-// it multiplies all lengths by, if they all are, else 0.
+// it multiplies all lengths by, if they all are, else 0. What can leave nothing of its nodes says
+// kTakesAway.
 #pragma once
 
 #include "sdfgrid/field/levels.h"

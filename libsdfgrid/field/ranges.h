@@ -20,6 +20,7 @@ struct Complement {
                                   "intersection: [{box: {size: [2, 2, 1]}}, "
                                   "{complement: {of: {sphere: {radius: 0.8}}}}]",
                                   ""};
+  static constexpr bool kTakesAway = true;
   static constexpr bool kConvex = true;
   static constexpr bool kTurnsLast = true;
 
@@ -41,6 +42,7 @@ struct Offset {
       "inside.",
       "offset: {by: 0.2, of: {box: {size: [1.4, 1, 0.6]}}}",
       "Hart 1996"};
+  static constexpr bool kTakesAway = true;
   static constexpr Parameter parameters[] = {length_of("by", 0.1, "how far outwards")};
   static constexpr bool kConvex = true;
   // Of a grid or a mesh, exactly.
@@ -66,6 +68,7 @@ struct Shell {
       "intersection: [{shell: {thickness: 0.15, of: {sphere: {radius: 1}}}}, {plane: {normal: [1, "
       "0.4, 1]}}]",
       ""};
+  static constexpr bool kTakesAway = true;
   static constexpr Parameter parameters[] = {size("thickness", 0.1, "of the skin")};
   static constexpr bool kConvex = true;
   // Of a grid or a mesh, exactly.

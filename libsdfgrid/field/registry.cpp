@@ -55,6 +55,7 @@ RegisteredOp registered() {
   r.two = requires { Op::kTwo; };
   r.convex = requires { Op::kConvex; };
   r.convex_solid = requires { Op::kConvexSolid; };
+  r.takes_away = requires { Op::kTakesAway; };
   if constexpr (requires { Op::kRest; }) {
     static_assert(
         requires { Op::kTurnsLast; }, "what takes nodes away turns their sign");

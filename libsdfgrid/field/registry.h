@@ -36,6 +36,7 @@ struct RegisteredOp {
   double (*similarity)(const float* constants) = nullptr;
   // Of combinations: see combinations.h; null where nothing is too far away to matter.
   double (*reach)(const float* constants) = nullptr;
+  bool takes_away = false;  // kTakesAway
   // The op that joins what is taken away from the first node; null if nothing is.
   const char* rest = nullptr;
 };
