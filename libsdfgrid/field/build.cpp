@@ -152,15 +152,19 @@ Field make_leaf(int number, const std::vector<float>& parameters, const std::vec
   return make_field(std::move(draft));
 }
 
-Field make_unary(int number, const std::vector<float>& parameters, const Field& node) {
-  Draft draft;
-  Instruction at = add_op(draft, number, parameters, {});
-  const bool domain = registry()[number].entry.info->role == OpRole::domain;
+void append_around(Draft& draft, Instruction at, const Program& node) {
+  const bool domain = registry()[at.op].entry.info->role == OpRole::domain;
   at.step = Step::enter;
   if (domain) draft.code.push_back(at);
-  append(draft, node.program());
+  append(draft, node);
   at.step = domain ? Step::leave : Step::range;
   draft.code.push_back(at);
+}
+
+Field make_unary(int number, const std::vector<float>& parameters, const Field& node) {
+  Draft draft;
+  const Instruction at = add_op(draft, number, parameters, {});
+  append_around(draft, at, node.program());
   return make_field(std::move(draft));
 }
 

@@ -41,6 +41,8 @@ class CheckedArguments {
 [[nodiscard]] Field make_leaf(int number, const std::vector<float>& parameters,
                               const std::vector<float>& list);
 
+// Appends a node with an op of one node around it, or after it.
+void append_around(Draft& draft, Instruction at, const Program& node);
 // The field of an op of one node, from the numbers of its parameters.
 [[nodiscard]] Field make_unary(int number, const std::vector<float>& parameters, const Field& node);
 

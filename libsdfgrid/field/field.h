@@ -104,6 +104,9 @@ struct SamplerUse {
   double lo, hi;
 };
 
+// Widens what is looked at of a sampler, which may be new among `uses`, and returns it.
+SamplerUse& add_use(std::vector<SamplerUse>& uses, const SamplerUse& use);
+
 class Field {
  public:
   // Empty space: 1e9 everywhere, farther than anything.

@@ -19,9 +19,10 @@ class LocalBounds {
     double slope;  // bound on |grad f| in the box, in (0, 1]
   };
 
+  static constexpr int kLevels = 6;  // enough for a field alone
   // The region must be finite; `levels` (1 to 7) bounds the depth. A cell is split only where its
   // bound is more than a tenth above what a single point of it has.
-  LocalBounds(Field field, const Box& region, int levels = 6);
+  LocalBounds(Field field, const Box& region, int levels = kLevels);
 
   // The smallest cell around p, which must be in the region. May be called from many threads.
   [[nodiscard]] Cell at(const glm::dvec3& p) const;

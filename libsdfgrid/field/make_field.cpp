@@ -69,7 +69,7 @@ bool append_moved_leaf(Draft& draft, const Field& node, const float by[3]) {
 void append_unary(Draft& draft, int number, const std::vector<Argument>& arguments,
                   const Field& node) {
   const RegisteredOp& op = registry()[number];
-  Instruction at = add_op(draft, number, arguments);
+  const Instruction at = add_op(draft, number, arguments);
   float* constants = draft.pool.constants.data() + at.constants;
   if (op.fit != nullptr) {
     const Box content = node.bounds();
@@ -83,12 +83,7 @@ void append_unary(Draft& draft, int number, const std::vector<Argument>& argumen
   if (op.changes_nothing != nullptr && op.changes_nothing(constants)) {
     return append(draft, node.program());
   }
-  const bool domain = op.entry.info->role == OpRole::domain;
-  at.step = Step::enter;
-  if (domain) draft.code.push_back(at);
-  append(draft, node.program());
-  at.step = domain ? Step::leave : Step::range;
-  draft.code.push_back(at);
+  append_around(draft, at, node.program());
 }
 
 void check_nodes(int number, std::size_t nodes) {

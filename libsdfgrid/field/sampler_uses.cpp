@@ -25,8 +25,10 @@ class Uses {
   // them count.
   void add(int last, const Levels& levels, int joins = 0) {
     const Instruction& at = program_.code[last];
-    if (at.step == Step::sample) return add_use(&sampler_of(program_, at), levels);
-    if (at.step == Step::leaf) return;
+    if (at.step == Step::sample) {
+      (void)add_use(found, {&sampler_of(program_, at), levels.lo, levels.hi});
+    }
+    if (at.step == Step::sample || at.step == Step::leaf) return;
     constexpr int kMostJoins = 2;
     const RegisteredOp& op = registry()[at.op];
     const Levels first =
@@ -44,14 +46,6 @@ class Uses {
   std::vector<SamplerUse> found;
 
  private:
-  void add_use(const Sampler* sampler, const Levels& levels) {
-    const auto same = [&](const SamplerUse& use) { return use.sampler == sampler; };
-    const auto known = std::find_if(found.begin(), found.end(), same);
-    SamplerUse& use = known != found.end() ? *known : found.emplace_back(SamplerUse{sampler, 0, 0});
-    use.lo = std::fmin(use.lo, levels.lo);
-    use.hi = std::fmax(use.hi, levels.hi);
-  }
-
   const Program& program_;
   double size_;
   const std::vector<std::int32_t> own_starts_;
@@ -59,6 +53,16 @@ class Uses {
 };
 
 }  // namespace
+
+SamplerUse& add_use(std::vector<SamplerUse>& uses, const SamplerUse& use) {
+  const auto same = [&](const SamplerUse& known) { return known.sampler == use.sampler; };
+  const auto found = std::find_if(uses.begin(), uses.end(), same);
+  SamplerUse& known =
+      found != uses.end() ? *found : uses.emplace_back(SamplerUse{use.sampler, 0, 0});
+  known.lo = std::fmin(known.lo, use.lo);
+  known.hi = std::fmax(known.hi, use.hi);
+  return known;
+}
 
 std::vector<SamplerUse> Field::sampler_uses() const {
   const double diagonal = glm::length(bounds().size());

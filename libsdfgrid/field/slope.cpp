@@ -146,6 +146,8 @@ class SlopeReading {
   explicit SlopeReading(const Program& program) : program_(program) {}
 
   double over(const Box& box) {
+    values_.reserve(static_cast<std::size_t>(program_.values));
+    places_.reserve(static_cast<std::size_t>(program_.points) + 1);
     places_.push_back(variables<3>(intervals(box)));
     for (const Instruction& at : program_.code) step(at);
     return most_of(values_.back());

@@ -21,23 +21,13 @@ double times(const SamplerUse& use) {
   return std::max(-use.lo / use.sampler->reach_inside(), use.hi / use.sampler->reach_outside());
 }
 
-SamplerUse& use_of(const Sampler* sampler, std::vector<SamplerUse>& uses) {
-  const auto same = [&](const SamplerUse& use) { return use.sampler == sampler; };
-  const auto known = std::find_if(uses.begin(), uses.end(), same);
-  return known != uses.end() ? *known : uses.emplace_back(SamplerUse{sampler, 0, 0});
-}
-
 // Those of the field itself, and of what lies as far from its surface as was asked for.
 std::vector<SamplerUse> uses_in_reach(const Field& field, const SceneReach& reach,
                                       std::vector<SamplerUse> uses) {
   for (const double level : {reach.outside, -reach.inside}) {
     if (level == 0) continue;
     const Field moved = make_field("offset", {{"by", level}}, {field});
-    for (const SamplerUse& use : moved.sampler_uses()) {
-      SamplerUse& known = use_of(use.sampler, uses);
-      known.lo = std::min(known.lo, use.lo);
-      known.hi = std::max(known.hi, use.hi);
-    }
+    for (const SamplerUse& use : moved.sampler_uses()) (void)add_use(uses, use);
   }
   return uses;
 }
@@ -54,7 +44,7 @@ double share(const Field& field, const SceneReach& reach, const std::vector<Samp
     const double part = 0.5 * (enough + too_far);
     std::vector<SamplerUse> uses =
         uses_in_reach(field, {part * reach.inside, part * reach.outside}, own);
-    (times(use_of(sampler, uses)) > 1 ? too_far : enough) = part;
+    (times(add_use(uses, {sampler, 0, 0})) > 1 ? too_far : enough) = part;
   }
   return enough;
 }
@@ -106,7 +96,7 @@ bool SampledFiles::widen(const SceneReach& reach) {
     if (times(use) <= 1) continue;
     // Of a mesh much smaller than what is looked at from afar: such a band would take minutes.
     constexpr double kWidest = 40;
-    const SamplerUse& least = use_of(use.sampler, own);
+    const SamplerUse least = add_use(own, {use.sampler, 0, 0});
     const bool must = times(least) > 1;
     if (file.dim == 0 || (!must && file.width >= kWidest)) {
       const double part = share(model_.field, reach, own, use.sampler);

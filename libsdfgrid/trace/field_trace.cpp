@@ -54,8 +54,9 @@ FieldTracer::FieldTracer(const Field& field, const Box& region, FieldTraceOption
       crowded_ = options.prune && is_crowd(*objects_, region);
     }
   }
-  constexpr int kLevels = 6;
-  if (options.local_bounds && !objects_) bounds_ = useful_bounds(field_, region_, kLevels);
+  if (options.local_bounds && !objects_) {
+    bounds_ = useful_bounds(field_, region_, LocalBounds::kLevels);
+  }
 }
 
 FieldTracer::~FieldTracer() = default;
@@ -65,6 +66,9 @@ float FieldTracer::sign_at(const glm::dvec3& p) const { return field_(glm::vec3(
 ObjectRules FieldTracer::object_rules() const {
   return {options_.boxes, options_.objects, options_.convex};
 }
+
+// Those that begin outside may meet each object by itself.
+bool FieldTracer::go_apart(float sign) const { return options_.objects && objects_ && sign > 0; }
 
 // Up to three rays are faster one by one. Those that begin inside look for where they leave the
 // whole.
@@ -127,8 +131,7 @@ void FieldTracer::trace_bundle(std::span<const Ray> rays, double tolerance, floa
   Workspace& space = workspace();
   Bundle& bundle = space.bundle;
   bundle.set(rays);
-  const bool apart = options_.objects && objects_ && sign > 0;
-  trace(bundle, apart ? nullptr : &field_, tolerance, sign, space.march);
+  trace(bundle, go_apart(sign) ? nullptr : &field_, tolerance, sign, space.march);
   for (std::size_t k = 0; k < rays.size(); ++k) {
     depth[k] = static_cast<float>(bundle.depth[k]);
     if (!steps.empty()) steps[k] = bundle.steps[k];
@@ -278,8 +281,7 @@ HitBuffer FieldTracer::trace_primary(const Camera& camera, const Job& job) const
   if (go_alone(hits.size(), sign)) return trace_alone(camera, job);
   const RayGenerator generator(camera);
   const double tolerance = tolerance_of(generator);
-  const bool apart = options_.objects && objects_ && sign > 0;
-  const bool together = !apart || (crowded_ && field_.size() * kPixels <= hits.size());
+  const bool together = !go_apart(sign) || (crowded_ && field_.size() * kPixels <= hits.size());
   const PacketCamera packets = packet_camera(generator, camera.eye);
   const int across = (camera.width + kBlock - 1) / kBlock;
   const int down = (camera.height + kBlock - 1) / kBlock;

@@ -87,6 +87,7 @@ class FieldTracer {
  private:
   [[nodiscard]] float sign_at(const glm::dvec3& p) const;
   [[nodiscard]] ObjectRules object_rules() const;
+  [[nodiscard]] bool go_apart(float sign) const;
   [[nodiscard]] bool go_alone(std::size_t rays, float sign) const;
   void trace(Bundle& bundle, const Field* field, double tolerance, float sign,
              FieldMarch& march) const;

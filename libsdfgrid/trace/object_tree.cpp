@@ -247,7 +247,7 @@ std::unique_ptr<const LocalBounds> useful_bounds(const Field& field, const Box& 
 ObjectTree::ObjectTree(std::vector<FieldPart> parts, const Box& region, bool slopes)
     : region_(region) {
   objects_.reserve(parts.size());
-  const int levels = parts.size() <= 64 ? 6 : kFewLevels;
+  const int levels = parts.size() <= 64 ? LocalBounds::kLevels : kFewLevels;
   for (FieldPart& part : parts) {
     const Box box = common(part.box, region);
     if (box.empty()) continue;
